@@ -1,0 +1,122 @@
+/* bezier.c - de Casteljau's algorithm and blossoms. See bezier.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "embree_patch/bezier.h"
+
+#include <string.h>
+
+static void lerp(ep_point out, const ep_point a, const ep_point b, double t)
+{
+    for (int c = 0; c < 4; ++c) out[c] = (1 - t) * a[c] + t * b[c];
+}
+
+/* Value, first and second derivative of the Bézier curve p of degree n at t; p is destroyed. The last levels of de
+ * Casteljau's triangle hold them: n(n-1) times the second difference of level n-2, n times the first of level n-1. */
+static void curve_jet(ep_point *p, unsigned n, double t, ep_point d0, ep_point d1, ep_point d2)
+{
+    memset(d1, 0, sizeof(ep_point));
+    memset(d2, 0, sizeof(ep_point));
+    for (unsigned k = n; k > 0; --k) {
+        if (k == 2)
+            for (int c = 0; c < 4; ++c) d2[c] = n * (n - 1.0) * (p[2][c] - 2 * p[1][c] + p[0][c]);
+        if (k == 1)
+            for (int c = 0; c < 4; ++c) d1[c] = n * (p[1][c] - p[0][c]);
+        for (unsigned i = 0; i < k; ++i) lerp(p[i], p[i], p[i + 1], t);
+    }
+    memcpy(d0, p[0], sizeof(ep_point));
+}
+
+void ep_tensor_eval(const ep_point *net, unsigned m, unsigned n, double u, double v, ep_jet *jet)
+{
+    ep_point row[EP_NET_DEGREE + 1], a[EP_NET_DEGREE + 1], b[EP_NET_DEGREE + 1], c[EP_NET_DEGREE + 1], unused;
+    for (unsigned j = 0; j <= n; ++j) {
+        memcpy(row, net + j * (m + 1), (m + 1) * sizeof(ep_point));
+        curve_jet(row, m, u, a[j], b[j], c[j]);
+    }
+    curve_jet(a, n, v, jet->p, jet->pv, jet->pvv);
+    curve_jet(b, n, v, jet->pu, jet->puv, unused);
+    curve_jet(c, n, v, jet->puu, unused, unused);
+}
+
+/* One step of the triangular algorithm in place: a net of degree n becomes one of degree n-1. */
+static void tri_step(ep_point *p, unsigned n, double u, double v)
+{
+    const double w = 1 - u - v;
+    size_t to = 0;
+    for (unsigned j = 0; j < n; ++j)
+        for (unsigned i = 0; i < n - j; ++i, ++to) {
+            const double *pw = p[ep_tri_index(n, i, j)], *pu = p[ep_tri_index(n, i + 1, j)],
+                         *pv = p[ep_tri_index(n, i, j + 1)];
+            ep_point q;
+            for (int c = 0; c < 4; ++c) q[c] = u * pu[c] + v * pv[c] + w * pw[c];
+            memcpy(p[to], q, sizeof q);
+        }
+}
+
+void ep_tri_eval(const ep_point *net, unsigned n, double u, double v, ep_jet *jet)
+{
+    ep_point p[(EP_NET_DEGREE + 1) * (EP_NET_DEGREE + 2) / 2];
+    memcpy(p, net, ep_tri_count(n) * sizeof(ep_point));
+    memset(jet, 0, sizeof *jet);
+    for (unsigned k = n; k > 0; --k) {
+        if (k == 2) { /* order of points: ww, uw, uu, vw, uv, vv */
+            const double f = n * (n - 1.0);
+            for (int c = 0; c < 4; ++c) {
+                jet->puu[c] = f * (p[2][c] - 2 * p[1][c] + p[0][c]);
+                jet->puv[c] = f * (p[4][c] - p[1][c] - p[3][c] + p[0][c]);
+                jet->pvv[c] = f * (p[5][c] - 2 * p[3][c] + p[0][c]);
+            }
+        }
+        if (k == 1)
+            for (int c = 0; c < 4; ++c) {
+                jet->pu[c] = n * (p[1][c] - p[0][c]);
+                jet->pv[c] = n * (p[2][c] - p[0][c]);
+            }
+        tri_step(p, k, u, v);
+    }
+    memcpy(jet->p, p[0], sizeof(ep_point));
+}
+
+/* The part [t0,t1] of the Bézier curve of degree n with points p[0], p[stride], ...: cut at t1, keep the left, cut that
+ * at t0/t1, keep the right. */
+static void curve_restrict(ep_point *p, unsigned n, size_t stride, double t0, double t1)
+{
+    if (t1 != 1)
+        for (unsigned k = 1; k <= n; ++k)
+            for (unsigned i = n; i >= k; --i) lerp(p[i * stride], p[(i - 1) * stride], p[i * stride], t1);
+    if (t0 != 0) {
+        const double t = t0 / t1;
+        for (unsigned k = n; k > 0; --k)
+            for (unsigned i = 0; i < k; ++i) lerp(p[i * stride], p[i * stride], p[(i + 1) * stride], t);
+    }
+}
+
+void ep_tensor_restrict(const ep_point *net, unsigned m, unsigned n, double u0, double u1, double v0, double v1,
+                        ep_point *out)
+{
+    if (out != net) memcpy(out, net, (size_t)(m + 1) * (n + 1) * sizeof(ep_point));
+    for (unsigned j = 0; j <= n; ++j) curve_restrict(out + j * (m + 1), m, 1, u0, u1);
+    for (unsigned i = 0; i <= m; ++i) curve_restrict(out + i, n, m + 1, v0, v1);
+}
+
+/* Point (i, j) of the new net is the blossom of the old one at U i times, V j times and W the remaining times. The
+ * steps with U are shared by all points of equal i, those with V by all of equal i and j. */
+void ep_tri_restrict(const ep_point *net, unsigned n, const double U[2], const double V[2], const double W[2],
+                     ep_point *out)
+{
+    enum { MAX_POINTS = (EP_NET_DEGREE + 1) * (EP_NET_DEGREE + 2) / 2 };
+    ep_point a[MAX_POINTS], b[MAX_POINTS], c[MAX_POINTS];
+    memcpy(a, net, ep_tri_count(n) * sizeof(ep_point));
+    for (unsigned i = 0; i <= n; ++i) {
+        const unsigned after_u = n - i;
+        memcpy(b, a, ep_tri_count(after_u) * sizeof(ep_point));
+        for (unsigned j = 0; j <= after_u; ++j) {
+            const unsigned after_v = after_u - j;
+            memcpy(c, b, ep_tri_count(after_v) * sizeof(ep_point));
+            for (unsigned k = after_v; k > 0; --k) tri_step(c, k, W[0], W[1]);
+            memcpy(out[ep_tri_index(n, i, j)], c[0], sizeof(ep_point));
+            if (after_v) tri_step(b, after_v, V[0], V[1]);
+        }
+        if (after_u) tri_step(a, after_u, U[0], U[1]);
+    }
+}

@@ -1,0 +1,30 @@
+/* build.h - from patches to leaves.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef EP_BUILD_H
+#define EP_BUILD_H
+
+#include "embree_patch/leaf.h"
+
+/* The hierarchy as tracing needs it. Leaves and boxes go together by index. */
+typedef struct ep_hierarchy {
+    ep_patch *patches;
+    float *nets; /* the patches' kernel nets, one after the other */
+    size_t patch_count, net_floats;
+    ep_leaf *leaves;
+    ep_box *boxes;
+    size_t leaf_count;
+    float bounds[6];
+    /* statistics */
+    size_t uncertified;
+    double average_depth, average_thickness;
+    unsigned maximum_depth;
+} ep_hierarchy;
+
+/* Cuts patches[0..count), whose kind, degrees and points are set, into leaves. Takes `patches` over: on success it
+ * belongs to *out, on failure to the caller as before. The leaves do not depend on the number of threads. */
+EPStatus ep_build(ep_patch *patches, size_t count, const EPBuildSettings *settings, ep_message *message,
+                  ep_hierarchy *out);
+void ep_hierarchy_free(ep_hierarchy *h); /* zeroes *h */
+
+#endif

@@ -1,0 +1,195 @@
+/* embree_patch.h - exact curved surfaces as an Embree geometry.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * An EPGeometry holds curved patches: Bézier triangles and tensor-product Bézier patches, polynomial or
+ * rational, of any degree up to EP_MAX_DEGREE, mixed freely. Committing it cuts every patch into leaves, small
+ * pieces in tight prisms. epNewRTCGeometry makes an RTCGeometry whose user primitives are those leaves; attach it
+ * to any RTCScene. No mesh is made: a hit is a root of the ray on the surface itself.
+ *
+ *     EPGeometry teapot = epNewGeometry();
+ *     epAddBezierPatches(teapot, 3, 3, 32, EP_FORMAT_FLOAT3, points, 3 * sizeof(float));
+ *     if (epCommitGeometry(teapot) != EP_OK) puts(epGetGeometryMessage(teapot));
+ *     RTCGeometry rtc = epNewRTCGeometry(teapot, device);
+ *     rtcAttachGeometry(scene, rtc);
+ *     rtcReleaseGeometry(rtc);
+ *     ... trace ...
+ *     rtcReleaseScene(scene);
+ *     epReleaseGeometry(teapot);
+ *
+ * What a hit means
+ *   primID    the index of the patch, in the order of the epAdd calls.
+ *   u, v      the patch's own parameters (see epAddBezierTriangles and epAddBezierPatches).
+ *   Ng        dP/du x dP/dv, not normalised, in the space of the geometry. It does not depend on the side the ray
+ *             came from. Where the derivatives vanish (a collapsed edge) it is the limit from inside the patch.
+ *   tfar      the distance to the hit in units of the ray's direction, which need not be a unit vector.
+ *
+ * Embree's features: occlusion queries, packets of 1, 4, 8 and 16 rays, geometry and query filters (called once for
+ * every root, nearest first), ray masks, instances of any depth. The program that queries the scene must leave
+ * RTCIntersectArguments::intersect and RTCOccludedArguments::occluded NULL (Embree 4): they would replace ours.
+ *
+ * Threads: a committed geometry may be traced and read from any number of threads. Building one geometry belongs
+ * to one thread at a time; different geometries are independent.
+ *
+ * Errors: functions that can fail return an EPStatus and leave a sentence in epGetGeometryMessage. Nothing aborts. */
+#ifndef EMBREE_PATCH_H
+#define EMBREE_PATCH_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define EP_VERSION_MAJOR 0
+#define EP_VERSION_MINOR 1
+#define EP_VERSION_PATCH 0
+#define EP_VERSION_STRING "0.1.0"
+
+#if defined(__GNUC__)
+#define EP_API __attribute__((visibility("default")))
+#else
+#define EP_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Embree's own handles, declared here so that this header needs none of Embree's. */
+typedef struct RTCDeviceTy *RTCDevice;
+typedef struct RTCGeometryTy *RTCGeometry;
+
+typedef struct EPGeometryTy *EPGeometry;
+
+typedef enum EPStatus {
+    EP_OK = 0,
+    EP_INVALID,     /* an argument is outside its documented range                       */
+    EP_NO_MEMORY,   /* an allocation failed; the object is as it was before the call      */
+    EP_BAD_DATA,    /* a point or weight has no meaning; the message names patch and point */
+    EP_UNSUPPORTED, /* valid, but this build or this machine cannot do it                 */
+    EP_FOREIGN      /* Embree failed; the message says what it said                       */
+} EPStatus;
+
+/* The highest degree in either direction. */
+#define EP_MAX_DEGREE 25
+
+/* How a control point is stored. The weight w of a rational patch is positive and the coordinates are Euclidean,
+ * not premultiplied: the homogeneous point is (w x, w y, w z, w). */
+typedef enum EPFormat {
+    EP_FORMAT_FLOAT3,  /* float x, y, z     */
+    EP_FORMAT_FLOAT4,  /* float x, y, z, w  */
+    EP_FORMAT_DOUBLE3, /* double x, y, z    */
+    EP_FORMAT_DOUBLE4  /* double x, y, z, w */
+} EPFormat;
+
+/* A new, empty geometry with one reference, or NULL when there is no memory. */
+EP_API EPGeometry epNewGeometry(void);
+EP_API void epRetainGeometry(EPGeometry geometry);
+/* The last release frees the geometry. NULL is fine. Embree does not tell when an RTCGeometry ends, so the geometry
+ * must outlive every scene that traces it: release it after the scene. */
+EP_API void epReleaseGeometry(EPGeometry geometry);
+
+/* Appends `count` rational Bézier triangles of degree n:
+ *
+ *     P(u,v) = sum P_ij w_ij B_ij / sum w_ij B_ij,    B_ij = n!/(i!j!k!) u^i v^j w^k,  w = 1-u-v, k = n-i-j
+ *
+ * over u, v >= 0, u+v <= 1. Each patch is (n+1)(n+2)/2 consecutive points, for j in 0..n: for i in 0..n-j.
+ * `points` holds count * (n+1)(n+2)/2 points, `byteStride` bytes from one to the next; it is copied.
+ * Neighbours whose boundary points are equal are traced without a gap.
+ * EP_INVALID: degree not in 1..EP_MAX_DEGREE, or a stride shorter than the point. EP_BAD_DATA: a coordinate or
+ * weight is not finite, or a weight is not positive. Then nothing is appended. */
+EP_API EPStatus epAddBezierTriangles(EPGeometry geometry, unsigned degree, size_t count, EPFormat format,
+                                     const void *points, size_t byteStride);
+
+/* Appends `count` rational tensor-product Bézier patches of degree m in u and n in v, over u, v in [0,1].
+ * Each patch is (m+1)(n+1) consecutive points, for j in 0..n (v): for i in 0..m (u). Otherwise as above. */
+EP_API EPStatus epAddBezierPatches(EPGeometry geometry, unsigned degreeU, unsigned degreeV, size_t count,
+                                   EPFormat format, const void *points, size_t byteStride);
+
+/* How to cut patches into leaves. Start from epDefaultBuildSettings(). None of these changes which point a ray
+ * hits; they trade build time and memory against speed. */
+typedef struct EPBuildSettings {
+    size_t size;       /* sizeof(EPBuildSettings) in your build; set by epDefaultBuildSettings       */
+    float thickness;   /* a leaf's prism is at most this thick, relative to its width. 0.05; in (0,1] */
+    unsigned maxDepth; /* halvings of a patch's domain at most. 20; in 0..40                          */
+    unsigned threads;  /* for the build; 0: all. The leaves do not depend on it                       */
+    float rayDistance; /* how far from the geometry rays may start, in scene units; 0: 64 times the
+                          geometry's diagonal. Embree's traversal rounds in proportion to this distance,
+                          and the leaves' boxes are padded against it                                 */
+    const char *isa;   /* "plain", "avx2" or "avx512"; NULL: the best that this machine runs          */
+} EPBuildSettings;
+
+/* Inline on purpose: compiled with the caller's idea of the size. */
+static inline EPBuildSettings epDefaultBuildSettings(void)
+{
+    EPBuildSettings s;
+    s.size = sizeof s;
+    s.thickness = 0.05f;
+    s.maxDepth = 20;
+    s.threads = 0;
+    s.rayDistance = 0.0f;
+    s.isa = NULL;
+    return s;
+}
+EP_API EPStatus epSetGeometryBuildSettings(EPGeometry geometry, const EPBuildSettings *settings);
+
+/* Builds the leaves. Commit again after more patches were added or the settings changed; an RTCGeometry that was
+ * made before then must be made anew. A geometry without patches commits to no leaves. */
+EP_API EPStatus epCommitGeometry(EPGeometry geometry);
+
+/* An RTCGeometry of type USER over the leaves of a committed geometry, itself committed and ready to attach, with
+ * one reference that the caller releases; NULL on failure. Set filters, masks and build quality on it with Embree's
+ * own functions. Its user data belongs to this library. Its mask is 0xFFFFFFFF. */
+EP_API RTCGeometry epNewRTCGeometry(EPGeometry geometry, RTCDevice device);
+
+/* The sentence that goes with the last failure on this geometry; "" when there was none. It lives until the
+ * next call on the geometry. */
+EP_API const char *epGetGeometryMessage(EPGeometry geometry);
+
+/* A point on patch `primID` at its parameters u, v, in double precision, straight from the control points as they
+ * were given. Any of the outputs may be NULL. First derivatives: dPdu, dPdv; second: d2[0..2] = d²P/du²,
+ * d2[3..5] = d²P/dudv, d2[6..8] = d²P/dv². Parameters outside the domain are evaluated, not clamped.
+ * Needs no commit. EP_INVALID: no such patch. */
+EP_API EPStatus epEvaluate(EPGeometry geometry, uint32_t primID, double u, double v, double P[3], double dPdu[3],
+                           double dPdv[3], double d2[9]);
+
+/* How far, in scene units, the point org + t dir of a reported hit may be from the exact surface of patch primID.
+ * org, dir and t are those of the ray in the geometry's space (before any instance transform). A ray that starts
+ * at that point, moved by at least this bound along +Ng or -Ng and leaving to the same side, does not hit the same
+ * sheet again. */
+EP_API float epGetHitError(EPGeometry geometry, uint32_t primID, const float org[3], const float dir[3], float t);
+
+/* The box that holds all patches of a committed geometry: lower x, y, z, upper x, y, z. Empty (lower > upper)
+ * without patches. */
+EP_API void epGetGeometryBounds(EPGeometry geometry, float bounds[6]);
+
+typedef struct EPStatistics {
+    size_t patches, leaves;
+    size_t uncertified;    /* leaves where only subdivision can tell (at poles, cusps and folds)  */
+    double averageDepth;   /* halvings of the domain, mean over leaves                            */
+    unsigned maximumDepth;
+    double averageThickness; /* thickness of a leaf's prism relative to its width, mean over leaves */
+    size_t bytes;          /* everything this geometry has allocated: nets, leaves, boxes         */
+    double buildSeconds;   /* of the last commit                                                  */
+    const char *isa;       /* the kernels in use                                                  */
+} EPStatistics;
+EP_API void epGetGeometryStatistics(EPGeometry geometry, EPStatistics *statistics);
+
+/* What tracing has cost since the process started, all geometries together. Take differences. */
+typedef struct EPCounters {
+    uint64_t visits;      /* a ray entered a leaf                                                */
+    uint64_t solves;      /* ... was not culled by its prism, so that iteration began            */
+    uint64_t evaluations; /* of a surface, in those iterations                                   */
+    uint64_t cells;       /* visits decided by the grazing-ray test on the spot                  */
+    uint64_t slow;        /* visits decided by subdivision                                       */
+} EPCounters;
+/* Sum over all threads; exact while no query runs. */
+EP_API void epGetCounters(EPCounters *counters);
+/* Of the calling thread alone: the difference around one rtcIntersect1 is what that ray cost. */
+EP_API void epGetThreadCounters(EPCounters *counters);
+
+/* The instruction sets this library can run on this machine, slowest first; NULL-terminated. */
+EP_API const char *const *epGetInstructionSets(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,245 @@
+/* geometry.c - the public object: what embree_patch.h promises about patches, settings and evaluation.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "embree_patch/geometry.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+EPGeometry epNewGeometry(void)
+{
+    EPGeometry g = ep_alloc(1, sizeof *g);
+    if (!g) return NULL;
+    memset(g, 0, sizeof *g);
+    atomic_init(&g->references, 1);
+    g->settings = epDefaultBuildSettings();
+    g->kernels = ep_find_kernels(NULL);
+    return g;
+}
+
+void epRetainGeometry(EPGeometry g)
+{
+    if (g) atomic_fetch_add(&g->references, 1);
+}
+
+void epReleaseGeometry(EPGeometry g)
+{
+    if (!g || atomic_fetch_sub(&g->references, 1) != 1) return;
+    ep_hierarchy_free(&g->hierarchy);
+    ep_free(g->added);
+    ep_free(g->points);
+    ep_free(g);
+}
+
+const char *epGetGeometryMessage(EPGeometry g) { return g->message.text; }
+
+/* Makes room for `more` elements of `size` bytes after the first `count`. */
+static bool grow(void **array, size_t count, size_t *capacity, size_t more, size_t size)
+{
+    if (more <= *capacity - count) return true;
+    if (more > SIZE_MAX / 2 - count) return false;
+    size_t to = *capacity ? 2 * *capacity : 16;
+    if (to < count + more) to = count + more;
+    void *bigger = ep_alloc(to, size);
+    if (!bigger) return false;
+    if (count) memcpy(bigger, *array, count * size);
+    ep_free(*array);
+    *array = bigger;
+    *capacity = to;
+    return true;
+}
+
+static size_t format_bytes(EPFormat f)
+{
+    static const size_t bytes[] = { 3 * sizeof(float), 4 * sizeof(float), 3 * sizeof(double), 4 * sizeof(double) };
+    return (unsigned)f < EP_ARRAY_LEN(bytes) ? bytes[f] : 0;
+}
+
+static void read_point(EPFormat format, const char *at, double p[4])
+{
+    const bool weighted = format == EP_FORMAT_FLOAT4 || format == EP_FORMAT_DOUBLE4;
+    const int n = weighted ? 4 : 3;
+    p[3] = 1;
+    for (int c = 0; c < n; ++c) {
+        if (format == EP_FORMAT_FLOAT3 || format == EP_FORMAT_FLOAT4) {
+            float f;
+            memcpy(&f, at + (size_t)c * sizeof f, sizeof f);
+            p[c] = f;
+        } else {
+            memcpy(&p[c], at + (size_t)c * sizeof(double), sizeof(double));
+        }
+    }
+}
+
+/* Coordinates and weights beyond these overflow when they are multiplied or squared in float. */
+static const double largest_coordinate = 0x1p60, largest_weight = 0x1p40;
+
+static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_t count, EPFormat format,
+                    const void *points, size_t stride)
+{
+    if (m < 1 || m > EP_MAX_DEGREE || n < 1 || n > EP_MAX_DEGREE)
+        return ep_fail(&g->message, EP_INVALID, "degree %u is not in 1..%d", m < 1 || m > EP_MAX_DEGREE ? m : n,
+                       EP_MAX_DEGREE);
+    const size_t bytes = format_bytes(format);
+    if (!bytes) return ep_fail(&g->message, EP_INVALID, "%d is no point format", (int)format);
+    if (stride < bytes)
+        return ep_fail(&g->message, EP_INVALID, "a stride of %zu bytes is shorter than a point of %zu", stride, bytes);
+    if (!count) return EP_OK;
+    if (!points) return ep_fail(&g->message, EP_INVALID, "no points");
+
+    const size_t each = ep_kinds[kind].point_count(m, n);
+    if (count > UINT32_MAX - g->added_count || count > SIZE_MAX / 64 / each)
+        return ep_fail(&g->message, EP_INVALID, "%zu patches are too many", count);
+    if (!grow((void **)&g->added, g->added_count, &g->added_capacity, count, sizeof *g->added) ||
+        !grow((void **)&g->points, g->point_count, &g->point_capacity, count * each, sizeof *g->points))
+        return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", count);
+
+    const char *at = points;
+    ep_point *to = g->points + g->point_count;
+    for (size_t k = 0; k < count; ++k) {
+        ep_added *a = &g->added[g->added_count + k];
+        *a = (ep_added){ g->point_count + k * each, (uint8_t)kind, (uint8_t)m, (uint8_t)n, 0 };
+        for (size_t i = 0; i < each; ++i, at += stride, ++to) {
+            double p[4];
+            read_point(format, at, p);
+            for (int c = 0; c < 3; ++c)
+                if (!(fabs(p[c]) <= largest_coordinate))
+                    return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: %c is %g, not within +-2^60", k, i,
+                                   "xyz"[c], p[c]);
+            if (!(p[3] > 0 && p[3] <= largest_weight && p[3] >= 1 / largest_weight))
+                return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: the weight is %g, not in 2^-40..2^40", k,
+                               i, p[3]);
+            for (int c = 0; c < 3; ++c) (*to)[c] = p[3] * p[c];
+            (*to)[3] = p[3];
+            if (p[3] != 1) a->rational = 1;
+        }
+    }
+    g->added_count += count;
+    g->point_count += count * each;
+    g->committed = false;
+    return EP_OK;
+}
+
+EPStatus epAddBezierTriangles(EPGeometry g, unsigned degree, size_t count, EPFormat format, const void *points,
+                              size_t stride)
+{
+    return add(g, EP_KIND_TRIANGLE, degree, degree, count, format, points, stride);
+}
+
+EPStatus epAddBezierPatches(EPGeometry g, unsigned m, unsigned n, size_t count, EPFormat format, const void *points,
+                            size_t stride)
+{
+    return add(g, EP_KIND_TENSOR, m, n, count, format, points, stride);
+}
+
+EPStatus epSetGeometryBuildSettings(EPGeometry g, const EPBuildSettings *settings)
+{
+    EPBuildSettings s = epDefaultBuildSettings();
+    if (!settings || settings->size < offsetof(EPBuildSettings, isa))
+        return ep_fail(&g->message, EP_INVALID, "build settings did not start from epDefaultBuildSettings()");
+    memcpy(&s, settings, settings->size < sizeof s ? settings->size : sizeof s);
+    s.size = sizeof s;
+    if (!(s.thickness > 0 && s.thickness <= 1))
+        return ep_fail(&g->message, EP_INVALID, "a thickness of %g is not in (0, 1]", s.thickness);
+    if (s.maxDepth > 40) return ep_fail(&g->message, EP_INVALID, "a depth of %u is not in 0..40", s.maxDepth);
+    if (!(s.rayDistance >= 0 && s.rayDistance < INFINITY))
+        return ep_fail(&g->message, EP_INVALID, "a ray distance of %g is not finite and positive", s.rayDistance);
+    const ep_kernels *kernels = ep_find_kernels(s.isa);
+    if (!kernels)
+        return ep_fail(&g->message, EP_UNSUPPORTED, "this machine has no instruction set '%s' that we know", s.isa);
+    s.isa = kernels->isa;
+    g->settings = s;
+    g->kernels = kernels;
+    g->committed = false;
+    return EP_OK;
+}
+
+static double seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+EPStatus epCommitGeometry(EPGeometry g)
+{
+    const double start = seconds();
+    ep_patch *patches = ep_alloc(g->added_count, sizeof *patches);
+    if (!patches) return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
+    for (size_t i = 0; i < g->added_count; ++i) {
+        const ep_added *a = &g->added[i];
+        patches[i] = (ep_patch){ .points = g->points + a->first, .kind = a->kind, .degree_u = a->degree_u,
+                                 .degree_v = a->degree_v, .rational = a->rational };
+    }
+    ep_hierarchy h;
+    const EPStatus status = ep_build(patches, g->added_count, &g->settings, &g->message, &h);
+    if (status != EP_OK) {
+        ep_free(patches);
+        return status;
+    }
+    ep_hierarchy_free(&g->hierarchy);
+    g->hierarchy = h;
+    g->committed = true;
+    g->build_seconds = seconds() - start;
+    return EP_OK;
+}
+
+static void store(double out[3], ep_vec3 v)
+{
+    if (!out) return;
+    out[0] = v.x, out[1] = v.y, out[2] = v.z;
+}
+
+EPStatus epEvaluate(EPGeometry g, uint32_t primID, double u, double v, double P[3], double dPdu[3], double dPdv[3],
+                    double d2[9])
+{
+    if (primID >= g->added_count) return EP_INVALID;
+    const ep_added *a = &g->added[primID];
+    ep_jet jet;
+    ep_kinds[a->kind].eval(g->points + a->first, a->degree_u, a->degree_v, u, v, &jet);
+    const ep_frame f = ep_project(&jet);
+    store(P, f.p);
+    store(dPdu, f.pu);
+    store(dPdv, f.pv);
+    if (d2) {
+        store(d2, f.puu);
+        store(d2 + 3, f.puv);
+        store(d2 + 6, f.pvv);
+    }
+    return EP_OK;
+}
+
+/* The kernels' rounding (leaf.c) moves a point by at most the evaluation's error, the ray's position error and
+ * the rounding of t, each relative to the patch's radius and to the way travelled. A ray that is nearly tangent has
+ * its root displaced along the surface, but the bound is on the distance to the surface, which is not amplified. */
+float epGetHitError(EPGeometry g, uint32_t primID, const float org[3], const float dir[3], float t)
+{
+    if (!g->committed || primID >= g->hierarchy.patch_count) return 0;
+    const ep_patch *p = &g->hierarchy.patches[primID];
+    const double ratio = p->rational ? 2 * (double)p->weight_max : 1;
+    double error = ((2.0 * (p->degree_u + p->degree_v) + 14) * ratio + 8) * EP_EPS_F * p->radius;
+    for (int c = 0; c < 3; ++c)
+        error = error + 4 * EP_EPS_F * (fabs(org[c]) + fabs((double)t * dir[c]));
+    return ep_round_up(2 * error);
+}
+
+void epGetGeometryBounds(EPGeometry g, float bounds[6]) { memcpy(bounds, g->hierarchy.bounds, 6 * sizeof(float)); }
+
+void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
+{
+    const ep_hierarchy *h = &g->hierarchy;
+    *s = (EPStatistics){
+        .patches = g->added_count,
+        .leaves = h->leaf_count,
+        .uncertified = h->uncertified,
+        .averageDepth = h->average_depth,
+        .maximumDepth = h->maximum_depth,
+        .averageThickness = h->average_thickness,
+        .bytes = sizeof *g + g->added_capacity * sizeof *g->added + g->point_capacity * sizeof *g->points +
+                 h->patch_count * sizeof *h->patches + h->net_floats * sizeof(float) +
+                 h->leaf_count * (sizeof *h->leaves + sizeof *h->boxes),
+        .buildSeconds = g->build_seconds,
+        .isa = g->kernels->isa,
+    };
+}

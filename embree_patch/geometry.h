@@ -1,0 +1,32 @@
+/* geometry.h - what is behind an EPGeometry.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef EP_GEOMETRY_H
+#define EP_GEOMETRY_H
+
+#include "embree_patch/build.h"
+#include "embree_patch/kernels.h"
+
+#include <stdatomic.h>
+
+/* A patch as it was added; its points are at EPGeometryTy.points[first]. */
+typedef struct ep_added {
+    size_t first;
+    uint8_t kind, degree_u, degree_v, rational;
+} ep_added;
+
+struct EPGeometryTy {
+    atomic_int references;
+    EPBuildSettings settings;
+    const ep_kernels *kernels;
+    ep_added *added;
+    size_t added_count, added_capacity;
+    ep_point *points; /* homogeneous */
+    size_t point_count, point_capacity;
+    ep_hierarchy hierarchy; /* of the last commit */
+    bool committed;
+    double build_seconds;
+    ep_message message;
+};
+
+#endif

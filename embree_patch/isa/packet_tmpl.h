@@ -1,0 +1,205 @@
+/* packet_tmpl.h - a packet of rays against one leaf, one ray a lane.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * `kind`, `m`, `n`, `rational` are constants where a shape has a kernel of its own, so that its loops unroll. */
+
+#define EP_INLINE static inline __attribute__((always_inline))
+
+/* Four coordinates of a point, one a register; w is 1 unless the patch is rational, and then not used. */
+typedef struct w_4 {
+    w_f c[4];
+} w_4;
+
+EP_INLINE w_4 w_mix(w_f t, w_4 a, w_4 d, int coordinates)
+{
+    w_4 r = a;
+    for (int c = 0; c < coordinates; ++c) r.c[c] = w_fma(t, d.c[c], a.c[c]);
+    return r;
+}
+EP_INLINE w_4 w_difference(w_4 a, w_4 b, int coordinates)
+{
+    w_4 r = a;
+    for (int c = 0; c < coordinates; ++c) r.c[c] = a.c[c] - b.c[c];
+    return r;
+}
+
+/* The points of the last level but one (patch.h): h[part] = sum_j e_j sum_i c_i block_ij[part]. */
+EP_INLINE void w_last_level(const float *net, int triangle, unsigned m, unsigned n, int coordinates, w_f u, w_f v,
+                            w_4 h[4])
+{
+    const w_f one = w_set(1.0f);
+    const int parts = triangle ? 3 : 4;
+    w_f c[EP_MAX_DEGREE], e[EP_MAX_DEGREE];
+    if (triangle) {
+        w_bernstein(n - 1, v, one, e);
+    } else {
+        w_bernstein(m - 1, u, one - u, c);
+        w_bernstein(n - 1, v, one - v, e);
+    }
+    for (unsigned j = 0; j < n; ++j) {
+        const unsigned count = triangle ? n - j : m;
+        if (triangle) w_bernstein(count - 1, u, (one - u) - v, c);
+        for (int part = 0; part < parts; ++part)
+            for (int k = 0; k < coordinates; ++k) {
+                const float *p = net + 4 * part + k;
+                w_f q = c[0] * w_set(p[0]);
+                for (unsigned i = 1; i < count; ++i) q = w_fma(c[i], w_set(p[16 * i]), q);
+                h[part].c[k] = j ? w_fma(e[j], q, h[part].c[k]) : e[0] * q;
+            }
+        net += 16 * count;
+    }
+}
+
+/* Point and tangents at u, v, relative to the patch's centre. */
+EP_INLINE void w_evaluate(const ep_patch *patch, int triangle, unsigned m, unsigned n, int rational, w_f u, w_f v,
+                          w_4 *s, w_4 *su, w_4 *sv)
+{
+    const int k = rational ? 4 : 3;
+    w_4 h[4];
+    w_last_level(patch->net, triangle, m, n, k, u, v, h);
+    if (triangle) { /* h: w, v, u */
+        *sv = w_difference(h[1], h[0], k);
+        *su = w_difference(h[2], h[0], k);
+        *s = w_mix(u, w_mix(v, h[0], *sv, k), *su, k);
+    } else { /* h: 00, 01, 10, 11 */
+        const w_4 d0 = w_difference(h[2], h[0], k), d1 = w_difference(h[3], h[1], k);
+        const w_4 a0 = w_mix(u, h[0], d0, k), a1 = w_mix(u, h[1], d1, k);
+        *sv = w_difference(a1, a0, k);
+        *s = w_mix(v, a0, *sv, k);
+        *su = w_mix(v, d0, w_difference(d1, d0, k), k);
+    }
+    for (int c = 0; c < k; ++c) {
+        su->c[c] = w_set((float)m) * su->c[c];
+        sv->c[c] = w_set((float)n) * sv->c[c];
+    }
+    if (rational) {
+        const w_f inverse = w_set(1.0f) / s->c[3];
+        for (int c = 0; c < 3; ++c) {
+            s->c[c] = s->c[c] * inverse;
+            su->c[c] = w_fnma(s->c[c], su->c[3], su->c[c]) * inverse;
+            sv->c[c] = w_fnma(s->c[c], sv->c[3], sv->c[c]) * inverse;
+        }
+    }
+}
+
+/* A vector of space in leaf coordinates. */
+EP_INLINE w_3 w_to_leaf(const ep_leaf *leaf, const w_f *x)
+{
+    w_f r[3];
+    for (int c = 0; c < 3; ++c)
+        r[c] = w_fma(w_set(leaf->frame[2][c]), x[2],
+                     w_fma(w_set(leaf->frame[1][c]), x[1], w_set(leaf->frame[0][c]) * x[0]));
+    return (w_3){ r[0], r[1], r[2] };
+}
+
+/* Tangents along the leaf's own sides: S_s = uu S_u + vu S_v, S_t = uv S_u + vv S_v. */
+EP_INLINE w_f w_along(float a, w_f su, float b, w_f sv, int triangle)
+{
+    return triangle ? w_fma(w_set(a), su, w_set(b) * sv) : w_set(a) * su;
+}
+
+EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned rays,
+                              uint32_t active, float *t_out, float *hit_out, EPCounters *counters, int triangle,
+                              unsigned m, unsigned n, int rational)
+{
+    ep_outcome outcome = { 0, 0 };
+    const float *dom = leaf->domain;
+    for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES, t_out += EP_LANES, hit_out += EP_LANES) {
+        const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
+        if (!lanes) continue;
+        w_f org[3], dir[3], o[3], moved[3];
+        for (int c = 0; c < 3; ++c) {
+            org[c] = w_load(ray + (EP_RAY_ORG + (unsigned)c) * rays, rays - base);
+            dir[c] = w_load(ray + (EP_RAY_DIR + (unsigned)c) * rays, rays - base);
+            o[c] = org[c] - w_set(patch->centre[c]);
+        }
+        const w_f tnear = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
+        const w_f tfar = w_load(ray + EP_RAY_TFAR * rays, rays - base);
+        w_3 leaf_o = w_to_leaf(leaf, o);
+        leaf_o.x = leaf_o.x + w_set(leaf->frame[3][0]);
+        leaf_o.y = leaf_o.y + w_set(leaf->frame[3][1]);
+        leaf_o.z = leaf_o.z + w_set(leaf->frame[3][2]);
+        const w_f o_sum = (w_abs(o[0]) + w_abs(o[1])) + w_abs(o[2]);
+        const w_f d_sum = (w_abs(dir[0]) + w_abs(dir[1])) + w_abs(dir[2]);
+        w_visit visit = w_enter(leaf, triangle, leaf_o, w_to_leaf(leaf, dir), o_sum, d_sum, tnear, tfar, w_mask(lanes));
+        counters->visits += (unsigned)__builtin_popcount(lanes);
+        uint32_t live = w_bits(visit.live), hit = 0;
+        counters->solves += (unsigned)__builtin_popcount(live | w_bits(visit.slow));
+        if (!live) {
+            outcome.slow |= w_bits(visit.slow) << base;
+            continue;
+        }
+
+        /* The origin moved to the plane, o' = (org - centre) + t_plane dir, with the roundings of the difference and
+         * of the product carried along (Knuth's two-sum, and a fused multiply-add): right to an ulp of o' itself,
+         * however far the ray has come. */
+        for (int c = 0; c < 3; ++c) {
+            const w_f centre = w_set(patch->centre[c]), back = o[c] - org[c];
+            const w_f lost = (org[c] - (o[c] - back)) - (centre + back);
+            const w_f way = visit.t_plane * dir[c];
+            const w_f way_lost = w_fma(visit.t_plane, dir[c], -way);
+            moved[c] = (o[c] + way) + ((way_lost + lost) - w_set(patch->centre_low[c]));
+        }
+
+        w_4 s, su, sv;
+        w_f s_root = visit.s, t_root = visit.t, t_hit = tfar, ng[3] = { tfar, tfar, tfar };
+        while (live) {
+            const w_f u = triangle ? w_fma(visit.s, w_set(dom[2]), w_fma(visit.t, w_set(dom[4]), w_set(dom[0])))
+                                   : w_fma(visit.s, w_set(dom[2]), w_set(dom[0]));
+            const w_f v = triangle ? w_fma(visit.s, w_set(dom[5]), w_fma(visit.t, w_set(dom[3]), w_set(dom[1])))
+                                   : w_fma(visit.t, w_set(dom[3]), w_set(dom[1]));
+            w_evaluate(patch, triangle, m, n, rational, u, v, &s, &su, &sv);
+            counters->evaluations += (unsigned)__builtin_popcount(live);
+            w_f at[3];
+            for (int c = 0; c < 3; ++c) at[c] = s.c[c] - moved[c];
+            const w_3 lu = w_to_leaf(leaf, su.c), lv = w_to_leaf(leaf, sv.c);
+            const w_jet jet = {
+                w_to_leaf(leaf, at),
+                { w_along(dom[2], lu.x, dom[5], lv.x, triangle), w_along(dom[2], lu.y, dom[5], lv.y, triangle),
+                  w_along(dom[2], lu.z, dom[5], lv.z, triangle) },
+                { w_along(triangle ? dom[4] : dom[3], triangle ? lu.x : lv.x, dom[3], lv.x, triangle),
+                  w_along(triangle ? dom[4] : dom[3], triangle ? lu.y : lv.y, dom[3], lv.y, triangle),
+                  w_along(triangle ? dom[4] : dom[3], triangle ? lu.z : lv.z, dom[3], lv.z, triangle) },
+            };
+            const w_step step = w_advance(&visit, triangle, &jet);
+            const w_f t = visit.t_plane + step.distance;
+            const w_m found = w_and(step.hit, w_and(w_lt(tnear, t), w_lt(t, tfar)));
+            hit |= w_bits(found);
+            s_root = w_select(found, step.s, s_root);
+            t_root = w_select(found, step.t, t_root);
+            t_hit = w_select(found, t, t_hit);
+            for (int c = 0; c < 3; ++c) {
+                const int a = (c + 1) % 3, b = (c + 2) % 3;
+                ng[c] = w_select(found, w_fnma(su.c[b], sv.c[a], su.c[a] * sv.c[b]), ng[c]);
+            }
+            live = w_bits(visit.live);
+        }
+        outcome.slow |= w_bits(visit.slow) << base;
+        if (!hit) continue;
+        outcome.hit |= hit << base;
+        const w_f zero = w_set(0.0f), one = w_set(1.0f);
+        w_f u = triangle ? w_fma(s_root, w_set(dom[2]), w_fma(t_root, w_set(dom[4]), w_set(dom[0])))
+                         : w_fma(s_root, w_set(dom[2]), w_set(dom[0]));
+        w_f v = triangle ? w_fma(s_root, w_set(dom[5]), w_fma(t_root, w_set(dom[3]), w_set(dom[1])))
+                         : w_fma(t_root, w_set(dom[3]), w_set(dom[1]));
+        u = w_min(w_max(u, zero), one);
+        v = w_min(w_max(v, zero), triangle ? one - u : one);
+        w_store(t_out, hit, t_hit);
+        for (unsigned c = 0; c < 3; ++c) w_store(hit_out + (EP_HIT_NG + c) * rays, hit, ng[c]);
+        w_store(hit_out + EP_HIT_U * rays, hit, u);
+        w_store(hit_out + EP_HIT_V * rays, hit, v);
+    }
+    return outcome;
+}
+
+static void w_commit(float *rayhit, unsigned rays, uint32_t mask, const float *t, const float *hit, unsigned fields)
+{
+    for (unsigned base = 0; base < rays; base += EP_LANES) {
+        const uint32_t lanes = mask >> base & (uint32_t)((1ull << EP_LANES) - 1);
+        if (!lanes) continue;
+        w_store(rayhit + EP_RAY_TFAR * rays + base, lanes, w_load(t + base, rays - base));
+        for (unsigned f = 0; f < fields; ++f)
+            w_store(rayhit + (EP_RAY_FIELDS + f) * rays + base, lanes, w_load(hit + f * rays + base, rays - base));
+    }
+}

@@ -1,0 +1,55 @@
+/* table_tmpl.h - the kernels of one instruction set, from the templates.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Included once per instruction set, after its lanes_*.h. Everything is static but the table, so that no function
+ * compiled for a newer machine can be linked in where an older one runs. */
+#include "embree_patch/isa/lanes_scalar.h"
+#include "embree_patch/kernels.h"
+
+#define X(name) w_##name
+#include "embree_patch/isa/newton_tmpl.h"
+#undef X
+#define X(name) s_##name
+#include "embree_patch/isa/newton_tmpl.h"
+#undef X
+#include "embree_patch/isa/packet_tmpl.h"
+#include "embree_patch/isa/single_tmpl.h"
+
+/* A pair of kernels; `m` and `n` may read the patch. */
+#define EP_PAIR(name, triangle, m, n, rational)                                                                        \
+    static ep_outcome packet_##name(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned rays,       \
+                                    uint32_t active, float *t, float *hit, EPCounters *counters)                       \
+    {                                                                                                                  \
+        return w_packet(leaf, patch, ray, rays, active, t, hit, counters, triangle, m, n, rational);                   \
+    }                                                                                                                  \
+    static ep_outcome single_##name(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned rays,       \
+                                    uint32_t active, float *t, float *hit, EPCounters *counters)                       \
+    {                                                                                                                  \
+        (void)rays, (void)active;                                                                                      \
+        return s_single(leaf, patch, ray, t, hit, counters, triangle, m, n, rational);                                 \
+    }
+
+#define EP_DEGREES(name, triangle, rational)                                                                           \
+    EP_PAIR(name##_any, triangle, patch->degree_u, patch->degree_v, rational)                                          \
+    EP_PAIR(name##_1, triangle, 1, 1, rational)                                                                        \
+    EP_PAIR(name##_2, triangle, 2, 2, rational)                                                                        \
+    EP_PAIR(name##_3, triangle, 3, 3, rational)                                                                        \
+    EP_PAIR(name##_4, triangle, 4, 4, rational)
+
+EP_DEGREES(tensor, 0, 0)
+EP_DEGREES(tensor_rational, 0, 1)
+EP_DEGREES(triangle, 1, 0)
+EP_DEGREES(triangle_rational, 1, 1)
+
+/* In the order of ep_shape. */
+#define EP_ROW(p, name) p##_##name##_any, p##_##name##_1, p##_##name##_2, p##_##name##_3, p##_##name##_4
+#define EP_ALL(p) { EP_ROW(p, tensor), EP_ROW(p, tensor_rational), EP_ROW(p, triangle), EP_ROW(p, triangle_rational) }
+
+const ep_kernels EP_KERNELS = {
+    .isa = EP_ISA_NAME,
+    .width = EP_LANES,
+    .packet = EP_ALL(packet),
+    .single = EP_ALL(single),
+    .commit = w_commit,
+};

@@ -1,0 +1,54 @@
+/* kernels.h - what an instruction set provides: rays against one leaf.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * The templates in isa/ are compiled once per instruction set and export one constant table each. All tables give the
+ * same bits: a verb rounds once, fused multiply-adds are written out, the compiler may not form its own. The packet
+ * kernel has one ray a lane; the single-ray kernel has one control point's coordinate a lane and performs, for its
+ * ray, the very same operations in the same order. */
+#ifndef EP_KERNELS_H
+#define EP_KERNELS_H
+
+#include "embree_patch/leaf.h"
+
+/* Rays come as Embree lays them out, field f of lane i at ray[f * n + i], n = 1, 4, 8 or 16. */
+enum { EP_RAY_ORG = 0, EP_RAY_TNEAR = 3, EP_RAY_DIR = 4, EP_RAY_TFAR = 8, EP_RAY_FIELDS = 12 };
+
+/* So do hits: Ng at hit[c * n + i], u and v after it. */
+enum { EP_HIT_NG = 0, EP_HIT_U = 3, EP_HIT_V = 4 };
+
+#define EP_PACKET 16
+
+/* One bit a lane. A lane in neither set is certified to miss the leaf within (tnear, tfar). */
+typedef struct ep_outcome {
+    uint32_t hit;  /* t[] and hit[] hold the leaf's only root in (tnear, tfar) */
+    uint32_t slow; /* undecided: ask ep_solve                                  */
+} ep_outcome;
+
+/* Degrees 1 to 4, the same both ways, have kernels of their own; shape 0 of each block takes any. */
+enum { EP_SPECIAL_DEGREES = 4, EP_SHAPES = 4 * (EP_SPECIAL_DEGREES + 1) };
+
+static inline uint8_t ep_shape(const ep_patch *p)
+{
+    const unsigned special = p->degree_u == p->degree_v && p->degree_u <= EP_SPECIAL_DEGREES ? p->degree_u : 0;
+    return (uint8_t)((p->kind * 2u + p->rational) * (EP_SPECIAL_DEGREES + 1) + special);
+}
+
+typedef ep_outcome ep_packet_kernel(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned n,
+                                    uint32_t active, float *t, float *hit, EPCounters *counters);
+
+typedef struct ep_kernels {
+    const char *isa;
+    unsigned width; /* lanes a step */
+    ep_packet_kernel *packet[EP_SHAPES]; /* n = 4, 8, 16 */
+    ep_packet_kernel *single[EP_SHAPES]; /* n = 1        */
+    /* Writes the lanes in `mask` to Embree's packet of n: tfar, and the `fields` rows of `hit`. */
+    void (*commit)(float *rayhit, unsigned n, uint32_t mask, const float *t, const float *hit, unsigned fields);
+} ep_kernels;
+
+extern const ep_kernels ep_kernels_plain; /* runs everywhere; what the others are compared with */
+
+/* The kernels by name; the best for NULL; NULL if this machine or build has no such. */
+const ep_kernels *ep_find_kernels(const char *isa);
+
+#endif

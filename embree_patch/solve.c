@@ -1,0 +1,312 @@
+/* solve.c - see solve.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * The ray is the intersection of two planes, and the leaf's homogeneous net turns into the nets of four functions on
+ * its domain: the numerators f1, f2 of the distances to the planes, that of t, and the weight. All are polynomials, so
+ * hulls of their coefficients bound them [Nishita, Sederberg, Kakimoto 1990]. A cell of the domain is
+ *
+ *   excluded    when f1 or f2 keeps its sign there, or t lies outside the interval asked for;
+ *   certified   when, multiplied by the inverse of the Jacobian J at its middle, the derivative of f is within e <= 1/5
+ *               of the identity. Any mean A of Jacobians in the cell, and J(y) for any y in it, then differ from J by
+ *               at most e relative to J; so |J(y)^-1 A - I| <= 2e/(1-e) <= 1/2, f is injective, and a root x* in the
+ *               cell satisfies |x* - c| <= |c - y| for the Newton point c of y. Newton from the middle either walks out
+ *               of the cell by more than that, or its steps shrink: no root, or the root;
+ *   a root      when f1 and f2 are rounding noise on all of it: a tangency or a pole, as sharp as doubles are;
+ *   split       otherwise, along the side on which f changes more.
+ *
+ * Cells are visited nearest first and those behind the nearest root are dropped, so that even a ray that runs within a
+ * flat patch ends after one path down. */
+#include "embree_patch/solve.h"
+
+#include <string.h>
+
+enum {
+    MAX_POINTS = (EP_MAX_DEGREE + 1) * (EP_MAX_DEGREE + 1),
+    MAX_STACK = 512,
+    /* A cell that is still open after this many others becomes the hit: nothing nearer was left out. It takes a
+     * surface that doubles cannot tell from the ray. */
+    MAX_CELLS = 1 << 16,
+};
+
+typedef struct cell {
+    ep_domain d; /* part of the leaf's unit domain */
+    double t_low;
+} cell;
+
+typedef struct problem {
+    const ep_kind *kind;
+    unsigned m, n;
+    bool triangle;
+    ep_point net[MAX_POINTS]; /* f1, f2, numerator of t, w over the leaf's unit domain */
+    double t0;                /* t of the moved origin */
+    double noise;             /* rounding error of f1, f2 */
+} problem;
+
+typedef struct range {
+    double lo, hi;
+} range;
+
+static void include(range *r, double x)
+{
+    if (x < r->lo) r->lo = x;
+    if (x > r->hi) r->hi = x;
+}
+
+static ep_domain leaf_domain(const ep_leaf *leaf)
+{
+    const float *f = leaf->domain;
+    return (ep_domain){ f[0], f[1], f[2], f[4], f[5], f[3] };
+}
+
+/* Where the line o + t d is within the prism; false if nowhere between *lo and *hi. */
+static bool clip_to_prism(const ep_leaf *leaf, bool triangle, ep_vec3 o, ep_vec3 d, double lo, double hi)
+{
+    if (!(leaf->height < INFINITY)) return true;
+    double a[3], b[3];
+    for (int c = 0; c < 3; ++c) {
+        const ep_vec3 row = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
+        a[c] = ep_dot(row, o) + leaf->frame[3][c];
+        b[c] = ep_dot(row, d);
+    }
+    const double side_s = leaf->side_s, side_t = leaf->side_t, height = leaf->height;
+    const struct {
+        double a, b, limit; /* a + t b <= limit */
+    } plane[6] = {
+        { a[2], b[2], height },
+        { -a[2], -b[2], height },
+        { -a[0], -b[0], side_s },
+        { -a[1], -b[1], side_t },
+        { triangle ? a[0] + a[1] : a[0], triangle ? b[0] + b[1] : b[0], 1 + side_s + (triangle ? side_t : 0) },
+        { triangle ? -a[1] : a[1], triangle ? -b[1] : b[1], triangle ? side_t : 1 + side_t },
+    };
+    for (int k = 0; k < 6; ++k) {
+        const double room = plane[k].limit - plane[k].a;
+        if (plane[k].b > 0) hi = fmin(hi, room / plane[k].b);
+        else if (plane[k].b < 0) lo = fmax(lo, room / plane[k].b);
+        else if (room < 0) return false;
+    }
+    return lo <= hi + 0x1p-40 * (fabs(lo) + fabs(hi)); /* rounding of the quotients */
+}
+
+/* Two unit vectors perpendicular to d, one of them along the leaf where that makes sense. */
+static void planes(const ep_leaf *leaf, ep_vec3 d, ep_vec3 *n1, ep_vec3 *n2)
+{
+    const ep_vec3 unit = ep_scale(1 / ep_length(d), d);
+    ep_vec3 up = ep_v3(leaf->frame[0][2], leaf->frame[1][2], leaf->frame[2][2]);
+    up = ep_scale(1 / ep_length(up), up);
+    *n1 = ep_cross(unit, up);
+    if (!(ep_length(*n1) > 0x1p-10)) {
+        up = fabs(unit.x) < fabs(unit.y) ? ep_v3(1, 0, 0) : ep_v3(0, 1, 0);
+        *n1 = ep_cross(unit, up);
+    }
+    *n1 = ep_scale(1 / ep_length(*n1), *n1);
+    *n2 = ep_cross(unit, *n1);
+}
+
+/* Derivatives of f1 (k = 0) and f2 over a cell's net, in the cell's coordinates. */
+typedef struct slopes {
+    range s[2], t[2];
+} slopes;
+
+static slopes net_slopes(const problem *p, const ep_point *net)
+{
+    const range nothing = { INFINITY, -INFINITY };
+    slopes r = { { nothing, nothing }, { nothing, nothing } };
+    for (unsigned j = 0; j <= p->n; ++j)
+        for (unsigned i = 0; i <= p->m; ++i) {
+            const size_t at = p->kind->index(p->m, p->n, i, j);
+            if (at == SIZE_MAX) continue;
+            const size_t is = p->kind->index(p->m, p->n, i + 1, j), it = p->kind->index(p->m, p->n, i, j + 1);
+            for (int k = 0; k < 2; ++k) {
+                if (is != SIZE_MAX) include(&r.s[k], p->m * (net[is][k] - net[at][k]));
+                if (it != SIZE_MAX) include(&r.t[k], p->n * (net[it][k] - net[at][k]));
+            }
+        }
+    return r;
+}
+
+static double mid(range r) { return r.lo / 2 + r.hi / 2; }
+static double half(range r) { return r.hi / 2 - r.lo / 2; }
+
+/* e of the certificate: the deviation of the Jacobian from its middle, relative to the middle; infinity if singular. */
+static double deviation(const slopes *g)
+{
+    const double a = mid(g->s[0]), b = mid(g->t[0]), c = mid(g->s[1]), d = mid(g->t[1]);
+    const double det = a * d - b * c;
+    if (det == 0) return INFINITY;
+    const double ra = half(g->s[0]), rb = half(g->t[0]), rc = half(g->s[1]), rd = half(g->t[1]);
+    const double row0 = fabs(d) * (ra + rb) + fabs(b) * (rc + rd);
+    const double row1 = fabs(c) * (ra + rb) + fabs(a) * (rc + rd);
+    return fmax(row0, row1) / fabs(det);
+}
+
+/* How far (s, t) is outside the unit domain; negative inside. */
+static double outside(bool triangle, double s, double t)
+{
+    return fmax(fmax(-s, -t), triangle ? s + t - 1 : fmax(s, t) - 1);
+}
+
+static void clamp(bool triangle, double *s, double *t)
+{
+    *s = fmin(fmax(*s, 0), 1);
+    *t = fmin(fmax(*t, 0), 1);
+    const double excess = triangle ? fmax(*s + *t - 1, 0) / 2 : 0;
+    *s -= excess;
+    *t -= excess;
+}
+
+typedef enum verdict { NO_ROOT, ROOT, UNDECIDED } verdict;
+
+/* Newton in a certified cell, from its middle. */
+static verdict newton(const problem *p, const ep_point *net, double *s, double *t)
+{
+    *s = p->kind->centre[0];
+    *t = p->kind->centre[1];
+    for (int k = 0; k < 64; ++k) {
+        ep_jet j;
+        p->kind->eval(net, p->m, p->n, *s, *t, &j);
+        const double det = j.pu[0] * j.pv[1] - j.pv[0] * j.pu[1];
+        const double ds = (j.pv[0] * j.p[1] - j.pv[1] * j.p[0]) / det;
+        const double dt = (j.pu[1] * j.p[0] - j.pu[0] * j.p[1]) / det;
+        const double step = fmax(fabs(ds), fabs(dt)), out = outside(p->triangle, *s + ds, *t + dt);
+        if (out > (p->triangle ? 2 : 1) * step + 0x1p-40) return NO_ROOT;
+        *s += ds;
+        *t += dt;
+        clamp(p->triangle, s, t);
+        /* what is left is of the order of the square */
+        if (step <= 0x1p-24) return out <= 0x1p-24 ? ROOT : NO_ROOT;
+    }
+    return UNDECIDED;
+}
+
+static void normal(const ep_patch *patch, const ep_leaf *leaf, double u, double v, double ng[3])
+{
+    const ep_kind *kind = &ep_kinds[patch->kind];
+    const ep_domain d = leaf_domain(leaf);
+    const double cu = d.u0 + kind->centre[0] * d.uu + kind->centre[1] * d.uv;
+    const double cv = d.v0 + kind->centre[0] * d.vu + kind->centre[1] * d.vv;
+    ep_vec3 n = ep_v3(0, 0, 0);
+    for (double inward = 0; inward <= 1; inward = inward ? 32 * inward : 0x1p-30) {
+        ep_jet jet;
+        kind->eval(patch->points, patch->degree_u, patch->degree_v, u + inward * (cu - u), v + inward * (cv - v), &jet);
+        const ep_frame f = ep_project(&jet);
+        n = ep_cross(f.pu, f.pv);
+        /* regular as far as the rounding of the tangents, relative to the patch, lets us see */
+        const double rounding = 0x1p-44 * patch->radius;
+        if (ep_length(n) > rounding * (ep_length(f.pu) + ep_length(f.pv)) + rounding * rounding) break;
+    }
+    ng[0] = n.x, ng[1] = n.y, ng[2] = n.z;
+}
+
+static void set_up(const ep_patch *patch, const ep_leaf *leaf, ep_vec3 o, ep_vec3 d, problem *p)
+{
+    const ep_domain domain = leaf_domain(leaf);
+    ep_point local[MAX_POINTS];
+    ep_vec3 n1, n2;
+    p->kind = &ep_kinds[patch->kind];
+    p->m = patch->degree_u;
+    p->n = patch->degree_v;
+    p->triangle = patch->kind == EP_KIND_TRIANGLE;
+    planes(leaf, d, &n1, &n2);
+    const double dd = ep_dot(d, d);
+    ep_patch_local(patch, local);
+    const size_t count = p->kind->point_count(p->m, p->n);
+    double largest = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double w = local[i][3];
+        const ep_vec3 x = ep_sub(ep_v3(local[i][0], local[i][1], local[i][2]), ep_scale(w, o));
+        local[i][0] = ep_dot(n1, x);
+        local[i][1] = ep_dot(n2, x);
+        local[i][2] = ep_dot(d, x) / dd;
+        largest = fmax(largest, w * (patch->radius + ep_length(o)));
+    }
+    p->kind->restrict_to(local, p->m, p->n, &domain, p->net);
+    p->noise = (p->m + p->n + 4) * 16 * EP_EPS_D * largest;
+}
+
+bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double after,
+              double before, ep_root *root)
+{
+    const ep_vec3 d = ep_v3(dir[0], dir[1], dir[2]);
+    ep_vec3 o = ep_v3((double)org[0] - patch->centre[0] - patch->centre_low[0],
+                      (double)org[1] - patch->centre[1] - patch->centre_low[1],
+                      (double)org[2] - patch->centre[2] - patch->centre_low[2]);
+    const double dd = ep_dot(d, d), t0 = -ep_dot(o, d) / dd;
+    if (!(dd > 0 && dd < INFINITY && fabs(t0) < INFINITY)) return false;
+    o = ep_add(o, ep_scale(t0, d));
+    if (!clip_to_prism(leaf, patch->kind == EP_KIND_TRIANGLE, o, d, after - t0, before - t0)) return false;
+
+    problem p;
+    p.t0 = t0;
+    set_up(patch, leaf, o, d, &p);
+    const size_t count = p.kind->point_count(p.m, p.n);
+    cell stack[MAX_STACK];
+    ep_point net[MAX_POINTS];
+    unsigned depth = 0;
+    bool found = false;
+    double best_s = 0, best_t = 0;
+    stack[depth++] = (cell){ { 0, 0, 1, 0, 0, 1 }, -INFINITY };
+    for (unsigned cells = 0; depth; ++cells) {
+        const cell at = stack[--depth];
+        if (at.t_low >= before) continue;
+        p.kind->restrict_to(p.net, p.m, p.n, &at.d, net);
+        range f1 = { INFINITY, -INFINITY }, f2 = f1, t = f1;
+        for (size_t i = 0; i < count; ++i) {
+            include(&f1, net[i][0]);
+            include(&f2, net[i][1]);
+            include(&t, net[i][2] / net[i][3]);
+        }
+        if (f1.lo > p.noise || f1.hi < -p.noise || f2.lo > p.noise || f2.hi < -p.noise) continue;
+        if (t0 + t.hi <= after || t0 + t.lo >= before) continue;
+
+        double s = p.kind->centre[0], r = p.kind->centre[1];
+        verdict v = UNDECIDED;
+        const double largest = fmax(fmax(-f1.lo, f1.hi), fmax(-f2.lo, f2.hi));
+        const double width = fmax(fabs(at.d.uu) + fabs(at.d.uv), fabs(at.d.vu) + fabs(at.d.vv));
+        const slopes g = net_slopes(&p, net);
+        if (deviation(&g) <= 0.2) v = newton(&p, net, &s, &r);
+        if (v == UNDECIDED && (largest <= p.noise || width <= 0x1p-50 || cells >= MAX_CELLS || depth + 4 > MAX_STACK))
+            v = ROOT;
+        if (v == ROOT) {
+            ep_jet jet;
+            p.kind->eval(net, p.m, p.n, s, r, &jet);
+            const double hit = t0 + jet.p[2] / jet.p[3];
+            if (hit > after && hit < before) {
+                before = hit;
+                found = true;
+                best_s = at.d.u0 + s * at.d.uu + r * at.d.uv;
+                best_t = at.d.v0 + s * at.d.vu + r * at.d.vv;
+            }
+        }
+        if (v != UNDECIDED) continue;
+
+        const double along_s = fmax(fabs(g.s[0].lo), fabs(g.s[0].hi)) + fmax(fabs(g.s[1].lo), fabs(g.s[1].hi));
+        const double along_t = fmax(fabs(g.t[0].lo), fabs(g.t[0].hi)) + fmax(fabs(g.t[1].lo), fabs(g.t[1].hi));
+        ep_domain part[4];
+        const unsigned parts = p.kind->split(&at.d, along_t > along_s, part);
+        /* the part whose middle is nearest along the ray goes on top */
+        cell c[4];
+        for (unsigned k = 0; k < parts; ++k) {
+            ep_jet jet;
+            const double *m = p.kind->centre;
+            p.kind->eval(p.net, p.m, p.n, part[k].u0 + m[0] * part[k].uu + m[1] * part[k].uv,
+                         part[k].v0 + m[0] * part[k].vu + m[1] * part[k].vv, &jet);
+            const double key = jet.p[2] / jet.p[3];
+            unsigned to = k;
+            for (; to > 0 && c[to - 1].t_low < key; --to) c[to] = c[to - 1];
+            c[to] = (cell){ part[k], key };
+        }
+        for (unsigned k = 0; k < parts; ++k) {
+            c[k].t_low = t0 + t.lo; /* all that is proved until the cell's own hull is known */
+            stack[depth++] = c[k];
+        }
+    }
+    if (!found) return false;
+    const ep_domain dom = leaf_domain(leaf);
+    root->t = before;
+    root->u = fmin(fmax(dom.u0 + best_s * dom.uu + best_t * dom.uv, 0), 1);
+    root->v = fmin(fmax(dom.v0 + best_s * dom.vu + best_t * dom.vv, 0), p.triangle ? 1 - root->u : 1);
+    normal(patch, leaf, root->u, root->v, root->ng);
+    return true;
+}

@@ -1,0 +1,487 @@
+#!/usr/bin/env python3
+"""The command line, from outside: what it accepts, what it refuses and how, and what a hit means.
+
+SPDX-License-Identifier: Apache-2.0
+
+usage: test_cli.py EPATCH          prints a line for each failed check, then `test_cli: N passed, M failed`
+"""
+import json
+import math
+import os
+import re
+import resource
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+EPATCH = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else sys.exit(__doc__)
+MISS = 0xFFFFFFFF
+passed = failed = 0
+
+
+def check(ok, message):
+    global passed, failed
+    if ok:
+        passed += 1
+    else:
+        failed += 1
+        print("FAIL", message, flush=True)
+    return ok
+
+
+class Run:
+    """One call of the program in the current directory; `limits` is a list of (resource, value)."""
+
+    def __init__(self, *args, stdin=b"", stdout=subprocess.PIPE, limits=()):
+        def limit():
+            for what, value in limits:
+                resource.setrlimit(what, (value, value))
+
+        self.args = [str(a) for a in args]
+        before = set(os.listdir("."))
+        p = subprocess.run([EPATCH, *self.args], input=stdin, stdout=stdout, stderr=subprocess.PIPE, timeout=120,
+                           preexec_fn=limit if limits else None)
+        self.status, self.out, self.err = p.returncode, p.stdout, p.stderr.decode(errors="replace")
+        self.new_files = sorted(set(os.listdir(".")) - before)
+
+    def __str__(self):
+        return f"epatch {' '.join(self.args)} -> {self.status}, {self.err.strip()[:300]!r}"
+
+
+def refuses(run, status, pattern):
+    """The program said no: the right status, one line that matches, nothing left behind."""
+    check(run.status == status, f"{run}: status is not {status}")
+    line = run.err.rstrip("\n")
+    one = run.err.endswith("\n") and "\n" not in line and line.startswith("epatch: ")
+    check(one, f"{run}: not exactly one line 'epatch: ...'")
+    check(re.search(pattern, line), f"{run}: the message does not match /{pattern}/")
+    check(not run.new_files, f"{run}: left behind {run.new_files}")
+
+
+def works(run):
+    return check(run.status == 0 and not run.err, f"{run}: should have worked")
+
+
+def write(name, data):
+    with open(name, "wb" if isinstance(data, bytes) else "w") as f:
+        f.write(data)
+    return name
+
+
+def scene(*geometry, **more):
+    return json.dumps({"format": "embree_patch scene", "version": 1, "geometry": geometry, **more})
+
+
+def pack_rays(rays):
+    return b"".join(struct.pack("<8f", *r) for r in rays)
+
+
+def down(x, y, z=10, length=1.0, far=math.inf):
+    return (x, y, z, 0, 0, 0, -length, far)
+
+
+def trace(scene_name, rays, *args):
+    """Hits as tuples t, u, v, geomID, primID, Nx, Ny, Nz."""
+    write("rays", pack_rays(rays))
+    r = Run("trace", scene_name, "--rays", "rays", "--hits", "hits", *args)
+    if not works(r):
+        return []
+    with open("hits", "rb") as f:
+        data = f.read()
+    size = 1 if "--occluded" in args else 32
+    check(len(data) == size * len(rays), f"{r}: {len(data)} bytes of hits for {len(rays)} rays")
+    return list(data) if size == 1 else list(struct.iter_unpack("<3f2I3f", data))
+
+
+def close(a, b, tolerance=1e-4):
+    return len(a) == len(b) and all(abs(x - y) <= tolerance * (1 + abs(y)) for x, y in zip(a, b))
+
+
+def same_hit(hit, t, u, v, geom, prim, normal, what, tolerance=1e-4):
+    check(hit and hit[3:5] == (geom, prim) and close(hit[:3], (t, u, v), tolerance) and
+          close(hit[5:], normal, tolerance), f"{what}: {hit}")
+
+
+# The saddle z = x y over the unit square: u = x, v = y, and Ng = (-v, -u, 1) everywhere.
+SADDLE = {"name": "saddle", "type": "bezier", "degree": [1, 1],
+          "patches": [[[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 1]]]}
+# The same as two quadratic triangles over the square's halves, with weights that change nothing.
+TRIANGLE = {"name": "half", "type": "bezier_triangles", "degree": 2,
+            "patches": [[[0, 0, 0, 3], [.5, 0, 0, 3], [1, 0, 0, 3], [0, .5, 0, 3], [.5, .5, .5, 3], [0, 1, 0, 3]]]}
+
+
+def test_usage():
+    for args, pattern in [
+        ((), "no command"),
+        (("trcae",), "'trcae'.*did you mean 'trace'"),
+        (("nonsense-of-some-length",), "no command"),
+        (("trace",), "SCENE is missing"),
+        (("trace", "s", "t"), "'t' is too much"),
+        (("trace", ""), "SCENE is empty"),
+        (("trace", "s", "--hits", "h"), "--rays FILE is missing"),
+        (("trace", "s", "--rays", "r"), "--hits FILE is missing"),
+        (("trace", "s", "--rays"), "--rays needs a value"),
+        (("trace", "s", "--rays="), "--rays is empty"),
+        (("trace", "s", "--witdh", "4"), "'--witdh'.*did you mean '--width'"),
+        (("trace", "s", "--frobnicate"), "unknown option '--frobnicate'"),
+        (("trace", "s", "-x"), "unknown option '-x'"),
+        (("trace", "s", "--width", "5"), "--width is '5', not one of 1.4.8.16"),
+        (("trace", "s", "--coherent=yes"), "--coherent takes no value"),
+        (("trace", "s", "--threads", "-1"), "--threads is '-1'"),
+        (("trace", "s", "--threads", "2x"), "--threads is '2x'"),
+        (("trace", "s", "--threads", "99999999999999999999"), "--threads is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "triangles:0"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "boxes"), "--as is"),
+        (("trace", "s", "--isa", "mmx"), "--isa is 'mmx'"),
+        (("trace", "-", "--rays", "-", "--hits", "h"), "standard input"),
+        (("trace", "s", "--rays", "r", "--hits", "-", "--stats", "-"), "standard output"),
+        (("info",), "SCENE is missing"),
+        (("info", "s", "--jsn"), "did you mean '--json'"),
+        (("render",), "SCENE is missing"),
+    ]:
+        refuses(Run(*args), 2, pattern)
+
+
+def test_help():
+    for args in [("--help",), ("--version",)] + [(c, o) for c in ("render", "trace", "info")
+                                                for o in ("--help", "--version")]:
+        r = Run(*args)
+        works(r)
+        check(len(r.out) > 5, f"{r}: prints nothing")
+    text = Run("trace", "--help").out.decode()
+    for option in ("--rays", "--hits", "--width", "--coherent", "--occluded", "--as", "--threads", "--stats", "--isa"):
+        check(option in text, f"trace --help does not tell of {option}")
+
+
+def bad_scenes():
+    def patched(old, new):
+        text = scene(SADDLE)
+        assert text.count(old) >= 1, old
+        return text.replace(old, new, 1)
+
+    yield "", r"the file is empty"
+    yield "{", r":1:\d+: "
+    yield '{\n "geometry": [\n  1,,\n ]\n}', r":3:\d+: "
+    yield "[]", r":1:1: the scene is an array, not an object"
+    yield "{}", r":1:1: the scene has no 'geometry'"
+    yield '{"geometry": []} x', r":1:\d+: "
+    yield '{"geometry": [], "geometry": []}', r":1:\d+: duplicate"
+    yield '{"geometry": [],\n  "geometri": []}', r":2:3: a scene has no key 'geometri'; did you mean 'geometry'\?"
+    yield '{"geometry": [], "ge\\u006fmetri": []}', r":1:18: a scene has no key 'geometri'"
+    yield '{"geometry": [], "\u00fc": 1,\n "x": 2}', r":1:18: "
+    yield '{"format": "obj", "geometry": []}', r":1:12: the format"
+    yield '{"version": 2, "geometry": []}', r":1:13: .*version 1"
+    yield '{"geometry": {}}', r":1:14: 'geometry' is an object, not an array"
+    yield '{"geometry": [5]}', r":1:15: a geometry is a number, not an object"
+    yield '{"geometry": [{"name": "x"}]}', r":1:15: a geometry has no 'type'"
+    yield patched('"bezier"', '"bezzier"'), r":\d+: no type of geometry is called 'bezzier'; did you mean 'bezier'"
+    yield patched('"name"', '"nam"'), r":\d+: .*no key 'nam'; did you mean 'name'"
+    yield patched('"patches"', '"knots": [], "patches"'), r"no key 'knots'"
+    yield patched("[1, 1]", "[1, 1, 1]"), r"'degree' has two numbers"
+    yield patched("[1, 1]", "[1, 0]"), r"a degree is 0, not a whole number from 1 to 25"
+    yield patched("[1, 1]", "[1, 26]"), r"a degree is 26"
+    yield patched("[1, 1]", "[1.5, 1]"), r"a degree is 1.5"
+    yield patched("[1, 1]", "[2, 1]"), r"a patch of this degree has 6 points, not 4"
+    yield patched("[0, 0, 0], ", ""), r"has 4 points, not 3"
+    yield patched("[0, 0, 0]", "[0, 0]"), r"a point has 3 or 4 numbers, not 2"
+    yield patched("[0, 0, 0]", "[0, 0, 0, 1, 1]"), r"a point has 3 or 4 numbers, not 5"
+    yield patched("[0, 0, 0]", '[0, "0", 0]'), r"a coordinate is a string, not a number"
+    yield patched("[0, 0, 0]", "[0, NaN, 0]"), r":1:\d+: "
+    yield patched("[0, 0, 0]", "[0, 1e999, 0]"), r":1:\d+: "
+    yield patched("[0, 0, 0]", "[0, 1e300, 0]"), r":1:\d+: a coordinate is beyond 1e18"
+    yield patched("[0, 0, 0]", "[0, 0, 0, 0]"), r":1:\d+: the weight is not positive"
+    yield patched("[0, 0, 0]", "[0, 0, 0, -1]"), r":1:\d+: the weight is not positive"
+    yield patched("[0, 0, 0]", "[0, 0, 0, 1e300]"), r":1:\d+: the weight is outside"
+    yield patched('"name"', '"trim": {"circle": {}}, "name"'), r":1:\d+: trims are not supported yet"
+    for kind in ("nurbs", "quadratic_triangles", "phong_triangles", "pn_triangles", "subdivision"):
+        yield scene({"type": kind}), rf":1:\d+: geometry of type '{kind}' is not supported yet"
+    yield scene({"type": "bezier", "degree": [1, 1]}), r"needs 'patches'"
+    yield scene({"type": "bezier", "patches": []}), r"needs 'degree'"
+    yield scene({"type": "file"}), r"needs 'path'"
+    yield scene({"type": "file", "path": "missing.bpt"}), r"missing\.bpt: cannot open"
+    yield scene({"type": "file", "path": "part.step"}), r"part\.step: \.step files are not supported yet"
+    yield scene({"type": "file", "path": "self.json"}), r"self\.json: "
+    yield scene(SADDLE, objects=[{"geometry": "sadle"}]), r":1:\d+: no geometry is called 'sadle'"
+    yield scene(SADDLE, SADDLE, objects=[{"geometry": "saddle"}]), r"several geometries are called 'saddle'"
+    yield scene(SADDLE, objects=[{}]), r"an object has no 'geometry'"
+    yield scene(SADDLE, objects=[{"geometry": "saddle", "colour": 1}]), r"no key 'colour'"
+    yield scene(SADDLE, objects=[{"geometry": "saddle", "transform": [1] * 11}]), r"'transform' has 11 numbers, not 12"
+    yield scene(SADDLE, objects=[{"geometry": "saddle", "transform": [1] * 12}]), r"cannot be inverted"
+    far_away = [1, 0, 0, 0, 1, 0, 0, 0, 1, 1e30, 0, 0]
+    yield scene(SADDLE, objects=[{"geometry": "saddle", "transform": far_away}]), r"object 0 reaches beyond 1e18"
+    camera = {"eye": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 30}
+    yield scene(SADDLE, camera={**camera, "fov": 180}), r"fov"
+    yield scene(SADDLE, camera={**camera, "eye": [0, 0, 0]}), r"the camera's eye is its target"
+    yield scene(SADDLE, camera={**camera, "up": [0, 0, 2]}), r"up points along"
+    yield scene(SADDLE, camera={"eye": [0, 0, 1]}), r"the camera has no 'target'"
+    yield '{"geometry": ' + "[" * 100000, r":1:\d+: "
+    yield '{"geometry": [], "camera": "\\ud800"}', r":1:\d+: "
+
+
+def test_bad_scenes():
+    for text, pattern in bad_scenes():
+        write("bad.json", text)
+        refuses(Run("info", "bad.json"), 1, pattern)
+    r = Run("info", "bad.json")
+    check("bad.json:" in r.err, f"{r}: does not name the file")
+    refuses(Run("info", "-", stdin=b"{"), 1, r"<stdin>:1:\d+: ")
+
+    # The place is exact: a point deep inside, after strings full of brackets.
+    text = '{"geometry": [\n {"name": "]}\\"[", "type": "bezier", "degree": [1, 1],\n  "patches": [[[0,0,0],\n  [1,0], [0,1,0], [1,1,0]]]}]}'
+    refuses(Run("info", write("bad.json", text)), 1, r"bad\.json:4:3: a point has")
+    refuses(Run("info", write("line\nbreak.json", "{")), 1, r"line\?break\.json:1")
+
+
+def bpt(patches, count=None):
+    lines = [str(len(patches) if count is None else count)]
+    for m, n, points in patches:
+        lines.append(f"{m} {n}")
+        lines += ["%g %g %g" % tuple(p) for p in points]
+    return "\n".join(lines) + "\n"
+
+
+def test_bad_models():
+    good = bpt([(1, 1, SADDLE["patches"][0])])
+    works(Run("info", write("good.bpt", good)))
+    for length in range(len(good) - 2):
+        if length and good[length - 1].isspace() or not length:
+            refuses(Run("info", write("cut.bpt", good[:length])), 1, r"cut\.bpt:\d+:\d+: the file ends")
+    for text, pattern in [
+        (good + "0", r":7:1: the file goes on"),
+        (good.replace("1 1", "0 1", 1), r":2:1: 0 is not a degree from 1 to 25"),
+        (good.replace("1 1", "26 1", 1), r":2:1: 26 is not a degree"),
+        (good.replace("1 1", "1.5 1", 1), r":2:1: 1.5 is not a degree"),
+        (good.replace("1 0 0", "1 nan 0"), r":4:1: a coordinate is not finite"),
+        (good.replace("1 0 0", "1 1e999 0"), r":4:1: a coordinate is not finite"),
+        (good.replace("1 0 0", "1 x 0"), r":4:3: 'x' is not a coordinate"),
+        ("-1\n", r":1:1: -1 is not the number of patches"),
+        ("1e30\n", r":1:1: 1e\+30 is not the number of patches"),
+        ("4000000000\n1 1\n", r":3:1: the file ends"),
+        ("\x7fELF\x02\x01", r":1:1: "),
+        (good + "\0", r":7:1: "),
+    ]:
+        refuses(Run("info", write("bad.bpt", text)), 1, r"bad\.bpt" + pattern)
+    start = time.time()
+    refuses(Run("info", write("bad.bpt", "1000000000\n" + "3 3\n")), 1, "the file ends")
+    check(time.time() - start < 5, "a promise of a billion patches takes long")
+    os.makedirs("models", exist_ok=True)
+    write("models/good.bpt", good)
+    works(Run("info", write("models/nested.json", scene({"type": "file", "path": "good.bpt"}))))
+    write("models/good.bpt", good + "x")
+    refuses(Run("info", "models/nested.json"), 1, r"models/good\.bpt:7:1: ")
+
+
+def test_files():
+    good = write("good.json", scene(SADDLE))
+    write("rays", pack_rays([down(.5, .5)]))
+    refuses(Run("info", "missing.json"), 1, r"missing\.json: cannot open")
+    refuses(Run("info", "missing.bpt"), 1, r"missing\.bpt: cannot open")
+    refuses(Run("info", "missing.xyz"), 1, r"missing\.xyz: cannot open")
+    refuses(Run("info", write("some.xyz", "x")), 1, r"some\.xyz: ")
+    refuses(Run("info", write("some.step", "x")), 1, r"some\.step: .*not supported yet")
+    for name in ("folder", "folder.json", "folder.bpt", "folder.dir"):
+        os.makedirs(name, exist_ok=True)
+        refuses(Run("info", name), 1, rf"{name}: cannot read: Is a directory")
+    refuses(Run("trace", good, "--rays", "folder", "--hits", "h"), 1, "Is a directory")
+    refuses(Run("trace", good, "--rays", "missing", "--hits", "h"), 1, "missing: cannot open")
+    refuses(Run("trace", good, "--rays", write("cut", b"x" * 45), "--hits", "h"), 1, "cut: ray 1 is cut off")
+    refuses(Run("trace", good, "--rays", "rays", "--hits", "folder"), 1, "folder: cannot write")
+    refuses(Run("trace", good, "--rays", "rays", "--hits", "missing/h"), 1, "missing/h: cannot write")
+    refuses(Run("trace", "bad.json", "--rays", "rays", "--hits", "h"), 1, "bad.json")
+
+    # A full disk, and its cousin, a limit on file sizes.
+    many = write("many", pack_rays([down(.5, .5)] * 5000))
+    refuses(Run("trace", good, "--rays", many, "--hits", "/dev/full"), 1, "/dev/full: cannot write: No space")
+    refuses(Run("trace", good, "--rays", "rays", "--hits", "h", "--stats", "/dev/full"), 1, "/dev/full: cannot write")
+    refuses(Run("trace", good, "--rays", "rays", "--hits", "/dev/full", "--stats", "s"), 1, "/dev/full: cannot write")
+    refuses(Run("trace", good, "--rays", many, "--hits", "h", limits=[(resource.RLIMIT_FSIZE, 20000)]), 1,
+            "h: cannot write: File too large")
+    with open("/dev/full", "wb") as full:
+        for args in (("info", good), ("info", "--json", good), ("--help",), ("--version",), ("trace", "--help"),
+                     ("trace", good, "--rays", "rays", "--hits", "-")):
+            refuses(Run(*args, stdout=full), 1, "<stdout>: cannot write")
+
+    # A file that was there is replaced as a whole or not touched; a link stays a link.
+    write("old", "old")
+    refuses(Run("trace", good, "--rays", many, "--hits", "old", limits=[(resource.RLIMIT_FSIZE, 20000)]), 1, "old")
+    check(open("old").read() == "old", "a failed run has changed its output file")
+    os.symlink("old", "link")
+    works(Run("trace", good, "--rays", "rays", "--hits", "link"))
+    check(os.path.islink("link") and os.path.getsize("old") == 32, "an output through a symbolic link")
+    works(Run("trace", good, "--rays", "rays", "--hits", "/dev/null"))
+    check(os.path.exists("/dev/null") and not os.path.isfile("/dev/null"), "/dev/null is replaced")
+
+    # No memory (where the program runs under such a limit at all: sanitizers do not).
+    limits = [(resource.RLIMIT_AS, 1 << 30)]
+    if Run("--version", limits=limits).status == 0:
+        with open("huge", "wb") as f:
+            f.truncate(4 << 30)
+        refuses(Run("trace", good, "--rays", "huge", "--hits", "h", limits=limits), 1, "huge: out of memory")
+        os.remove("huge")
+
+
+def test_pipes():
+    good = write("good.json", scene(SADDLE))
+    rays = pack_rays([down(.5, .25), down(2, 2)])
+    write("rays", rays)
+    works(Run("trace", good, "--rays", "rays", "--hits", "hits"))
+    expected = open("hits", "rb").read()
+    for r in (Run("trace", good, "--rays", "-", "--hits", "-", stdin=rays),
+              Run("trace", "-", "--rays", "rays", "--hits", "-", stdin=open(good, "rb").read()),
+              Run("trace", "--rays=rays", "--hits=-", "--", good)):
+        works(r)
+        check(r.out == expected, f"{r}: other bytes through pipes")
+    r = Run("trace", good, "--rays", "rays", "--hits", "hits", "--stats", "-")
+    works(r)
+    check(json.loads(r.out)["rays"] == 2, f"{r}: stats on standard output")
+    r = Run("trace", good, "--rays", "-", "--hits", "-", stdin=b"")
+    works(r)
+    check(r.out == b"", f"{r}: no rays, no hits")
+    big = pack_rays([down(.5, .5)] * 300000)
+    r = Run("trace", good, "--rays", "-", "--hits", "-", "--occluded", stdin=big)
+    check(r.out == b"\1" * 300000, f"{r}: many rays through a pipe")
+
+
+def test_stats():
+    good = write("good.json", scene(SADDLE))
+    rays = [down(.5, .5), down(.2, .3), down(3, 3)]
+    for args in ((), ("--as", "triangles:4"), ("--occluded",), ("--width", "1", "--coherent", "--threads", "1")):
+        trace(good, rays, "--stats", "stats", *args)
+        s = json.load(open("stats"))
+        for key in ("rays", "hits", "seconds", "rays_per_second", "build_seconds", "bytes_patches", "bytes_embree",
+                    "leaves", "newton_iterations_mean", "slow_path_rays", "threads", "width", "isa", "visits", "solves",
+                    "cells"):
+            check(key in s, f"--stats {args} has no {key}")
+        check(s["rays"] == 3 and s["hits"] == 2, f"--stats {args} counts {s['rays']} rays, {s['hits']} hits")
+        check(s["seconds"] > 0 and s["bytes_patches"] > 0 and s["bytes_embree"] > 0, f"--stats {args}: {s}")
+        if "--as" in args:
+            check(s["newton_iterations_mean"] == 0 and s["slow_path_rays"] == 0 and s["leaves"] == 0,
+                  f"triangles iterate: {s}")
+        else:
+            check(s["leaves"] > 0, f"no leaves: {s}")
+    r = Run("info", "--json", "--rays", "rays", good)
+    works(r)
+    s = json.loads(r.out)
+    check(s["geometries"][0]["name"] == "saddle" and s["geometries"][0]["patches"] == 1, f"info --json: {s}")
+    check(close(s["bounds"], [0, 0, 0, 1, 1, 1], 0.01), f"info --json: bounds {s['bounds']}")
+    check("newton_iterations_mean" in s, "info --rays tells no iterations")
+    text = Run("info", good, "--rays", "rays").out.decode()
+    check("iterations" in text and "1 x 1" in text, f"info: {text}")
+
+
+def test_hits():
+    for as_ in (("--as", "patches"), ("--as", "triangles:64")):
+        tolerance = 1e-5 if as_[1] == "patches" else 2e-2
+        for geometry in (SADDLE, TRIANGLE):
+            name = write("one.json", scene(geometry))
+            what = f"{geometry['name']} {as_}"
+            h = trace(name, [down(.3, .6), down(.25, .5, 5, 2), down(1.01, .5)], *as_)
+            if len(h) != 3:
+                continue
+            same_hit(h[0], 10 - .18, .3, .6, 0, 0, (-.6, -.3, 1), what, tolerance)
+            same_hit(h[1], (5 - .125) / 2, .25, .5, 0, 0, (-.5, -.25, 1), what + ", direction of length 2", tolerance)
+            check(h[2][:5] == (math.inf, 0, 0, MISS, MISS), f"{what}: a miss is {h[2]}")
+            corner = (1e-3, 1e-3)
+            h = trace(name, [down(*corner), down(1 - 2e-3, 1e-3), down(1e-3, 1 - 2e-3)], *as_)
+            check(len(h) == 3 and all(x[4] == 0 for x in h), f"{what}: corners {h}")
+
+    # Several patches of mixed kinds: their indices, and the parameters of each.
+    two = dict(SADDLE, patches=SADDLE["patches"] + [[[x + 2, y, z] for x, y, z in SADDLE["patches"][0]]])
+    name = write("two.json", scene(two, TRIANGLE))
+    for as_ in ("patches", "triangles:32"):
+        h = trace(name, [down(2.5, .75, 3)], "--as", as_)
+        same_hit(h[0] if h else None, 3 - .375, .5, .75, 0, 1, (-.75, -.5, 1), f"second patch, {as_}", 5e-2)
+
+
+def test_rays():
+    name = write("one.json", scene(SADDLE))
+    nan, inf = math.nan, math.inf
+    miss = [
+        (nan, .5, 5, 0, 0, 0, -1, inf), (.5, .5, 5, nan, 0, 0, -1, inf), (.5, .5, 5, 0, 0, nan, -1, inf),
+        (.5, .5, 5, 0, 0, 0, -1, nan), (.5, .5, 5, 0, 0, 0, 0, inf), (inf, .5, 5, 0, 0, 0, -1, inf),
+        (.5, .5, 5, 0, 0, 0, -inf, inf), (.5, .5, 5, 0, 0, 0, -1, 4), (.5, .5, 5, 5, 0, 0, -1, inf),
+        (.5, .5, 5, 3, 0, 0, -1, 2), (.5, .5, 5, 0, 0, 0, -1, -inf), (.5, .5, 5, -3, 0, 0, -1, -1),
+        (.5, .5, -5, -inf, 0, 0, -1, 0), (.5, .5, 5, 0, 0, 0, 1, inf),
+    ]
+    hit = [(.5, .5, 5, -3, 0, 0, -1, inf), (.5, .5, 5, -inf, 0, 0, -1, 1e30), (.5, .5, 5, 4.7, 0, 0, -1, 4.8)]
+    rays = [r for pair in zip(miss, hit * 5) for r in pair]
+    for width in (1, 4, 8, 16):
+        h = trace(name, rays, "--width", width)
+        for r, x in zip(rays, h):
+            check((x[4] == MISS) == (r in miss or any(map(math.isnan, r))), f"--width {width}: ray {r} gets {x}")
+        o = trace(name, rays, "--width", width, "--occluded")
+        check(o == [int(x[4] != MISS) for x in h], f"--width {width}: --occluded disagrees")
+
+
+def test_agreement():
+    """Widths, threads, coherence: the same bytes. Occlusion: the same rays."""
+    name = write("mixed.json", scene(SADDLE, TRIANGLE, objects=[
+        {"geometry": "saddle"}, {"geometry": "half", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, .5]},
+        {"geometry": "saddle", "transform": [0, 1, 0, -1, 0, 0, 0, 0, 2, 1, 0, 1]}]))
+    rays = []
+    for i in range(997):
+        a = i * 0.6180339887
+        o = (3 * math.cos(9 * a), 3 * math.sin(9 * a), 3 * math.sin(5 * a))
+        to = (a % 1, (a * 1.7) % 1, (a * 2.3) % 2)
+        rays.append((*o, 0, *[q - p for p, q in zip(o, to)], math.inf))
+    base = trace(name, rays, "--width", 16)
+    check(len({h[3] for h in base}) == 4, "the rays of the test hit every object and nothing")
+    for args in (("--width", 1), ("--width", 4), ("--width", 8), ("--threads", 1), ("--threads", 2), ("--coherent",),
+                 ("--isa", "plain")):
+        check(trace(name, rays, *args) == base, f"{args}: other bits than --width 16")
+    hit = [int(h[4] != MISS) for h in base]
+    for width in (1, 4, 8, 16):
+        check(trace(name, rays, "--occluded", "--width", width) == hit, f"--occluded --width {width}")
+
+
+def test_objects():
+    m = [0, 2, 0, -3, 0, 0, 0, 0, 5, 7, 8, 9]  # x -> 2 y, y -> -3 x, z -> 5 z, then moved
+    mirror = [1, 0, 0, 0, 1, 0, 0, 0, -1, 0, 0, 0]
+    name = write("objects.json", scene(SADDLE, TRIANGLE, {"type": "bezier", "degree": [1, 1], "patches": []}, objects=[
+        {"geometry": "half", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 20, 0, 0]},
+        {"geometry": "saddle", "transform": m},
+        {"geometry": "saddle", "material": "steel"},
+        {"geometry": "saddle", "transform": [*mirror[:9], 10, 0, 0]}]))
+    u, v = .25, .5
+    at = (7 - 3 * v, 8 + 2 * u, 9 + 5 * u * v)
+    # cofactors of M applied to (-v, -u, 1)
+    a, b = (0, 2, 5 * v), (-3, 0, 5 * u)
+    normal = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    for as_ in ("patches", "triangles:64"):
+        tolerance = 1e-5 if as_ == "patches" else 5e-2
+        h = trace(name, [down(at[0], at[1], 100), down(u, v), down(10 + u, v), down(20 + u, v)], "--as", as_)
+        if len(h) != 4:
+            continue
+        same_hit(h[0], 100 - at[2], u, v, 1, 0, normal, f"a transformed object, {as_}", tolerance)
+        same_hit(h[1], 10 - u * v, u, v, 2, 0, (-v, -u, 1), f"an object as it is, {as_}", tolerance)
+        same_hit(h[2], 10 + u * v, u, v, 3, 0, (v, u, 1), f"a mirrored object, {as_}", tolerance)
+        same_hit(h[3], 10 - u * v, u, v, 0, 0, (-v, -u, 1), f"a moved triangle, {as_}", tolerance)
+    for text in (scene(), scene(SADDLE, objects=[]), scene({"type": "bezier", "degree": [1, 1], "patches": []})):
+        name = write("empty.json", text)
+        h = trace(name, [down(.5, .5)])
+        check(h and h[0][4] == MISS, f"a hit in an empty scene: {h}")
+        works(Run("info", name))
+        works(Run("info", "--json", name))
+    name = write("alone.json", scene({"type": "bezier", "degree": [1, 1],
+                                      "patches": [{"points": SADDLE["patches"][0]}]}))
+    h = trace(name, [down(.5, .5)])
+    check(h and h[0][4] == 0, f"a patch as an object with points: {h}")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        for name, test in list(globals().items()):
+            if name.startswith("test_"):
+                test()
+        leftovers = [f for f in os.listdir(".") if re.match(r"\.\d+\.", f)]
+        check(not leftovers, f"temporary files left: {leftovers}")
+        os.chdir("/")
+    print(f"test_cli: {passed} passed, {failed} failed")
+    return failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,213 @@
+/* cmd_render.c - `epatch render`: a scene or a model in, a picture out.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "tools/args.h"
+#include "tools/commands.h"
+#include "tools/render.h"
+#include "tools/report.h"
+#include "tools/shim/image.h"
+#include "tools/stats.h"
+#include "tools/trace.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Enough to know a model's outline when the camera is placed; more would only take time. */
+#define OUTLINE_POINTS 200000
+#define OUTLINE_GRID 6
+
+typedef struct render_command {
+    const char *scene, *image, *stats, *panorama;
+    unsigned size[2], spp, threads, layers, up;
+    bool has_camera, ground;
+    camera camera;
+    world_options world;
+} render_command;
+
+static void transform(const double m[12], const double p[3], double r[3])
+{
+    for (int x = 0; x < 3; ++x) r[x] = m[x] * p[0] + m[3 + x] * p[1] + m[6 + x] * p[2] + m[9 + x];
+}
+
+/* Points of the surfaces in the world, a grid for every patch, or for fewer when there are very many. NULL without
+ * memory. */
+static double (*outline_new(const scene *s, const world *w, size_t *count))[3]
+{
+    size_t patches = 0;
+    for (size_t i = 0; i < s->object_count; ++i) patches += s->geometries[s->objects[i].geometry].patch_count;
+    size_t step = 1 + OUTLINE_GRID * OUTLINE_GRID * patches / OUTLINE_POINTS;
+    double(*points)[3] = malloc(sizeof *points * (OUTLINE_GRID * OUTLINE_GRID * (patches / step + s->object_count) + 1));
+    *count = 0;
+    for (size_t i = 0; points && i < s->object_count; ++i) {
+        const scene_object *o = &s->objects[i];
+        const scene_geometry *g = &s->geometries[o->geometry];
+        for (size_t k = 0; k < g->patch_count; k += step)
+            for (int sample = 0; sample < OUTLINE_GRID * OUTLINE_GRID; ++sample) {
+                double u = (sample % OUTLINE_GRID) / (OUTLINE_GRID - 1.0), p[3];
+                double v = (sample / OUTLINE_GRID) / (OUTLINE_GRID - 1.0);
+                if (g->patches[k].kind == PATCH_TRIANGLE) v *= 1 - u;
+                if (epEvaluate(w->geometries[o->geometry], (uint32_t)k, u, v, p, NULL, NULL, NULL) == EP_OK)
+                    transform(o->transform, p, points[(*count)++]);
+            }
+    }
+    return points;
+}
+
+/* The farthest point that a ray can start from: a control point, or the eye. A model frames itself from no farther
+ * than a few of its diameters. */
+static double farthest_origin(const scene *s, const camera *c)
+{
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < s->object_count; ++i) {
+        const scene_geometry *g = &s->geometries[s->objects[i].geometry];
+        for (size_t k = 0; k < g->point_count; ++k) {
+            double p[3];
+            transform(s->objects[i].transform, g->points + 4 * k, p);
+            for (int x = 0; x < 3; ++x) lower[x] = fmin(lower[x], p[x]), upper[x] = fmax(upper[x], p[x]);
+        }
+    }
+    double corner = 0, diameter = 0, eye = 0;
+    for (int x = 0; x < 3 && lower[0] <= upper[0]; ++x) {
+        corner += fmax(lower[x] * lower[x], upper[x] * upper[x]);
+        diameter += (upper[x] - lower[x]) * (upper[x] - lower[x]);
+    }
+    if (!c) return sqrt(corner) + 8 * sqrt(diameter);
+    for (int x = 0; x < 3; ++x) eye += c->eye[x] * c->eye[x];
+    return sqrt(fmax(corner, eye));
+}
+
+static bool write_stats(const render_command *c, const world *w, const render_result *r)
+{
+    double speed = r->seconds > 0 ? (double)r->rays / r->seconds : 0;
+    json_t *o = json_pack("{s:I, s:I, s:f, s:f, s:i, s:i, s:i, s:i}", "rays", (json_int_t)r->rays, "camera_rays",
+                          (json_int_t)r->camera_rays, "seconds", r->seconds, "rays_per_second", speed, "threads",
+                          (int)trace_threads(c->threads), "width", (int)c->size[0], "height", (int)c->size[1], "spp",
+                          (int)c->spp);
+    bool complete = stats_add(o, stats_of_world(w));
+    complete = stats_add(o, stats_of_cost(&r->cost)) && complete;
+    if (!complete) json_decref(o), o = NULL;
+    return stats_write(c->stats, o);
+}
+
+/* Draws what is left to draw once camera and light are there. */
+static bool draw(const render_command *c, const world *w, const view *v, const light *l)
+{
+    shader s;
+    film f;
+    if (!shader_new(&s, w, l, !c->world.tessellation, c->ground)) return report_no_memory(c->scene), false;
+    if (!film_new(&f, c->size[0], c->size[1], c->layers)) {
+        report_file(c->image, "out of memory for %ux%u pixels", c->size[0], c->size[1]);
+        shader_free(&s);
+        return false;
+    }
+    render_result result;
+    render(&s, v, c->spp, c->threads, &f, &result);
+    bool done = film_write(&f, c->image) && (!c->stats || write_stats(c, w, &result));
+    film_free(&f);
+    shader_free(&s);
+    return done;
+}
+
+static bool frame_and_draw(const render_command *c, const scene *s, const world *w, const camera *given)
+{
+    camera cam;
+    if (given) {
+        cam = *given;
+    } else {
+        size_t count;
+        double(*points)[3] = outline_new(s, w, &count);
+        if (!points) return report_no_memory(c->scene), false;
+        cam = camera_framing((const double(*)[3])points, count, c->up, c->size[0], c->size[1]);
+        free(points);
+    }
+    view v;
+    light l;
+    if (!view_of_camera(&v, &cam, c->size[0], c->size[1]))
+        return report_file(c->scene, "the camera has no direction: its eye is its target"), false;
+    if (!c->panorama) light_studio(&l, &v);
+    else if (!light_panorama(&l, &v, c->panorama)) return false;
+    bool done = draw(c, w, &v, &l);
+    light_free(&l);
+    return done;
+}
+
+static bool run(render_command *c)
+{
+    bool done = false;
+    image_threads(c->threads);
+    scene *s = scene_read(c->scene);
+    if (!s) return false;
+    const camera *given = c->has_camera ? &c->camera : s->has_camera ? &s->camera : NULL;
+    c->world.threads = c->threads;
+    c->world.ray_distance = farthest_origin(s, given);
+    world *w = world_new(s, &c->world);
+    if (w) done = frame_and_draw(c, s, w, given);
+    world_free(w);
+    scene_free(s);
+    return done;
+}
+
+/* "patches" or "triangles:N". */
+static bool read_as(const char *text, unsigned *n)
+{
+    char *end;
+    if (!strcmp(text, "patches")) return true;
+    if (strncmp(text, "triangles:", 10) || text[10] < '0' || text[10] > '9') return false;
+    unsigned long x = strtoul(text + 10, &end, 10);
+    *n = (unsigned)x;
+    return !*end && x >= 1 && x <= 8192;
+}
+
+int cmd_render(int argc, char **argv)
+{
+    static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
+    render_command c = {.size = {1280, 720}, .spp = 16, .world.build = epDefaultBuildSettings()};
+    const char *as = "patches";
+    double placed[10] = {[9] = NAN};
+    unsigned up = 1, isa = 0;
+    const arg_option options[] = {
+        ARG_STRING("-o, --output", "IMAGE", &c.image, "the picture; its extension says the format"),
+        ARG_SIZE("--size", "WxH", c.size, "pixels (1280x720)"),
+        ARG_UNSIGNED("--spp", "N", &c.spp, 1, 65536, "samples a pixel (16)"),
+        ARG_DOUBLES("--camera", "ex,ey,ez,tx,ty,tz,ux,uy,uz,fov", placed, 10,
+                    "eye, target, up, vertical angle in degrees\n(the scene's, else one that frames the model)"),
+        ARG_CHOICE("--up", "y|z", &up, "the axis that is up when the model is framed (z)"),
+        ARG_FLAG("--ground", &c.ground, "a floor under the model, to catch its shadow"),
+        ARG_STRING("--environment", "IMAGE", &c.panorama,
+                   "a panorama to light the scene with (latitude-\nlongitude) in place of a studio"),
+        ARG_SET("--aov", FILM_LAYER_WORDS, &c.layers,
+                "more layers in the same image, which must be an\nEXR or TIFF; a ray through each pixel's centre"),
+        ARG_STRING("--as", "patches|triangles:N", &as,
+                   "exact patches, or each an N x N grid of Embree\ntriangles (patches)"),
+        ARG_UNSIGNED("--threads", "N", &c.threads, 0, 1024, "at most so many threads; 0: all (0)"),
+        ARG_STRING("--stats", "FILE", &c.stats, "counts and times as JSON"),
+        ARG_CHOICE("--isa", "best|plain|avx2|avx512", &isa, "instruction set of the kernels (best)"),
+    };
+    const arg_table table = {"render SCENE -o IMAGE",
+                             "Draws a scene, or any model: a model is framed and lit by itself.",
+                             "SCENE", &c.scene, options, ARG_COUNT(options)};
+    int status = args_parse(&table, argc, argv);
+    if (status != ARGS_GO) return status;
+    if (!c.image) return args_wrong(&table, "-o IMAGE is missing");
+    char why[500];
+    if (!film_suits(c.image, c.layers, why, sizeof why)) return args_wrong(&table, "%s", why);
+    if (!read_as(as, &c.world.tessellation))
+        return args_wrong(&table, "--as is '%s', not patches or triangles:N with N from 1 to 8192", as);
+
+    c.has_camera = !isnan(placed[9]);
+    if (c.has_camera) {
+        view v;
+        memcpy(c.camera.eye, placed, sizeof c.camera.eye);
+        memcpy(c.camera.target, placed + 3, sizeof c.camera.target);
+        memcpy(c.camera.up, placed + 6, sizeof c.camera.up);
+        c.camera.fov = placed[9];
+        if (!(c.camera.fov > 0 && c.camera.fov < 180))
+            return args_wrong(&table, "--camera: the angle must be between 0 and 180 degrees");
+        if (!view_of_camera(&v, &c.camera, c.size[0], c.size[1]))
+            return args_wrong(&table, "--camera: the eye is the target");
+    }
+    c.up = up ? 2 : 1;
+    c.world.build.isa = sets[isa];
+    return run(&c) ? 0 : 1;
+}

@@ -1,0 +1,60 @@
+/* scene.h - what a scene file or a model file says, as data; scene_json.c and model_*.c read it.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef EPATCH_SCENE_H
+#define EPATCH_SCENE_H
+
+#include "embree_patch/embree_patch.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef enum patch_kind { PATCH_TRIANGLE, PATCH_TENSOR } patch_kind;
+
+/* One patch: where its points begin in scene_geometry.points (4 doubles a point: x, y, z, w, Euclidean). */
+typedef struct patch {
+    patch_kind kind;
+    unsigned degree_u, degree_v; /* equal for triangles */
+    size_t first;                /* index of its first point */
+    bool rational;               /* some weight differs from 1 */
+} patch;
+
+typedef struct scene_geometry {
+    char *name;
+    double *points; /* 4 * point_count */
+    size_t point_count;
+    patch *patches;
+    size_t patch_count;
+} scene_geometry;
+
+typedef struct scene_object {
+    size_t geometry;      /* index into scene.geometries */
+    double transform[12]; /* images of x, y, z axes, then the translation */
+    bool identity;
+    char *material; /* NULL: the default */
+} scene_object;
+
+typedef struct camera {
+    double eye[3], target[3], up[3];
+    double fov; /* vertical, degrees */
+} camera;
+
+typedef struct scene {
+    char *path; /* as given; "<stdin>" for "-" */
+    bool has_camera;
+    camera camera;
+    scene_geometry *geometries;
+    size_t geometry_count;
+    scene_object *objects; /* always filled: without "objects", each geometry once */
+    size_t object_count;
+} scene;
+
+/* Reads a scene (.json, or no extension; "-" is standard input) or a model file. On failure prints one line, `epatch:
+ * FILE:LINE:COLUMN: what is wrong`, to standard error and returns NULL. */
+scene *scene_read(const char *path);
+void scene_free(scene *s);
+
+/* NULL when the camera can see, else what is wrong with it. */
+const char *camera_problem(const camera *c);
+
+#endif

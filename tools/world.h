@@ -1,0 +1,48 @@
+/* world.h - a scene made traceable: EPGeometries (or tessellations of them) in a committed RTCScene.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef EPATCH_WORLD_H
+#define EPATCH_WORLD_H
+
+#include "embree_patch/rtc/rtc_compat.h"
+#include "tools/scene.h"
+
+#include <stdint.h>
+
+typedef struct world_options {
+    unsigned threads;      /* 0: all */
+    unsigned tessellation; /* 0: exact patches; N: every patch an N x N grid of Embree triangles */
+    double ray_distance;   /* the farthest |origin| of rays that will be traced, scene units; 0: unknown */
+    EPBuildSettings build;
+} world_options;
+
+typedef struct world {
+    const scene *scene;
+    RTCDevice device;
+    RTCScene rtc;           /* the committed top-level scene */
+    EPGeometry *geometries; /* one per scene geometry (built with --as triangles too: they evaluate) */
+    float bounds[6];        /* lower, upper corner of everything, world space */
+    double build_seconds;   /* from parsed input to committed scene */
+    size_t bytes_patches;   /* our own allocations, or the tessellation's buffers */
+    size_t bytes_embree;    /* Embree's memory monitor at its end */
+    size_t leaves;
+    /* private: tessellation buffers, instance scenes */
+    struct world_private *p;
+} world;
+
+/* Builds and commits. On failure prints one line to standard error and returns NULL. */
+world *world_new(const scene *s, const world_options *o);
+void world_free(world *w);
+
+/* What a hit means in the terms of CONTRACT.md. A single untransformed object is attached to the top-level scene
+ * directly; a transformed one is an Embree instance. */
+typedef struct world_hit {
+    float t, u, v;
+    uint32_t geomID, primID; /* object index, patch index; ~0 both: a miss */
+    float Ng[3];             /* world space, dP/du x dP/dv */
+} world_hit;
+
+/* Reads lane `lane` of a traced RTCRayHit (width 1) or RTCRayHit4/8/16. */
+world_hit world_read_hit(const world *w, const void *rayhit, unsigned width, unsigned lane);
+
+#endif
