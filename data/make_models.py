@@ -370,8 +370,8 @@ def files():
         [teapot, ring, sphere, backdrop],
         [item("teapot", "porcelain", turned(-12)),
          item("sphere", "chrome", turned(0, "z", 0.75, (3.9, -2.2, 0.75))),
-         item("torus", "copper", turned(0, "z", 0.75, (-3.2, -3.0, 0.3))),
-         item("sphere", "red plastic", turned(0, "z", 0.4, (-3.2, -3.0, 0.78))),
+         item("torus", "copper", turned(0, "z", 0.75, (-2.7, -2.9, 0.3))),
+         item("sphere", "red plastic", turned(0, "z", 0.4, (-2.7, -2.9, 0.78))),
          item("backdrop", "slate")],
         ((0.6, -13.5, 5.6), (0.3, 0, 1.15), 27))
 

@@ -37,11 +37,25 @@ static inline uint8_t ep_shape(const ep_patch *p)
 typedef ep_outcome ep_packet_kernel(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned n,
                                     uint32_t active, float *t, float *hit, EPCounters *counters);
 
+/* What became of the sixteen cells of a nearly tangent ray; one bit a cell, cells in order of t. */
+typedef struct ep_cells {
+    alignas(64) float t[EP_PACKET];
+    float s[EP_PACKET], r[EP_PACKET]; /* the root in leaf coordinates ...                          */
+    float radius[EP_PACKET];          /* ... and how accurate it is                                */
+    float fields[5 * EP_PACKET];      /* Ng, u, v as in a hit packet of 16                         */
+    uint32_t hit;                     /* has the one root near this cell, within (tnear, tfar)     */
+    uint32_t open;                    /* undecided                                                 */
+} ep_cells;
+
+typedef void ep_cells_kernel(const ep_leaf *leaf, const ep_patch *patch, const float *ray, double lo, double hi,
+                             ep_cells *out, EPCounters *counters);
+
 typedef struct ep_kernels {
     const char *isa;
     unsigned width; /* lanes a step */
     ep_packet_kernel *packet[EP_SHAPES]; /* n = 4, 8, 16 */
     ep_packet_kernel *single[EP_SHAPES]; /* n = 1        */
+    ep_cells_kernel *cells[EP_SHAPES];   /* one ray, between t = lo and hi, where it is in the leaf's prism */
     /* Writes the lanes in `mask` to Embree's packet of n: tfar, and the `fields` rows of `hit`. */
     void (*commit)(float *rayhit, unsigned n, uint32_t mask, const float *t, const float *hit, unsigned fields);
 } ep_kernels;

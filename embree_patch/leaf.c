@@ -217,7 +217,7 @@ static void irregular(ep_leaf *leaf, ep_fit_info *info)
 {
     memset(leaf->frame, 0, sizeof leaf->frame);
     leaf->height = leaf->side_s = leaf->side_t = leaf->bend_s = leaf->bend_t = leaf->bend_h = INFINITY;
-    leaf->noise_st = leaf->noise_h = INFINITY;
+    leaf->noise_st = leaf->noise_h = leaf->stretch = INFINITY;
     leaf->reach_st = leaf->reach_h = 0;
     info->regular = false;
     info->thickness = info->distortion = INFINITY;
@@ -321,6 +321,7 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, b
     info->regular = true;
     info->thickness = 2 * mag(value[2]);
     info->distortion = fmax(mag(b[0].ds) + mag(b[0].dt), mag(b[1].ds) + mag(b[1].dt));
+    leaf->stretch = ep_round_up(info->distortion);
     rounding(p, d, &f, w_min, leaf);
 
     /* Halving the first side quarters what r'' in s adds to the height, and halves what it adds to E. The mixed term of

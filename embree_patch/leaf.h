@@ -47,6 +47,7 @@ typedef struct ep_leaf {
     float bend_s, bend_t, bend_h; /* Lipschitz constants of the derivatives of r; infinity: always subdivide      */
     float noise_st, noise_h;   /* rounding error of F is at most noise_st + |p| noise_h                           */
     float reach_st, reach_h;   /* rounding error of M(o) per unit of |o|, |.| the sum norm: 8 eps |row of M|       */
+    float stretch;             /* |r_st(x) - r_st(y)| <= stretch |x - y|                                           */
     uint32_t patch;            /* index of the patch                                                              */
     uint32_t depth;            /* halvings of the domain                                                          */
 } ep_leaf;

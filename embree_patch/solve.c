@@ -7,11 +7,12 @@
  * hulls of their coefficients bound them [Nishita, Sederberg, Kakimoto 1990]. A cell of the domain is
  *
  *   excluded    when f1 or f2 keeps its sign there, or t lies outside the interval asked for;
- *   certified   when, multiplied by the inverse of the Jacobian J at its middle, the derivative of f is within e <= 1/5
+ *   certified   when, multiplied by the inverse of the Jacobian J at its middle, the derivative of f is within e <= 1/8
  *               of the identity. Any mean A of Jacobians in the cell, and J(y) for any y in it, then differ from J by
- *               at most e relative to J; so |J(y)^-1 A - I| <= 2e/(1-e) <= 1/2, f is injective, and a root x* in the
- *               cell satisfies |x* - c| <= |c - y| for the Newton point c of y. Newton from the middle either walks out
- *               of the cell by more than that, or its steps shrink: no root, or the root;
+ *               at most e relative to J; so k = |J(y)^-1 A - I| <= 2e/(1-e) <= 2/7, f is injective, and a root x* in
+ *               the cell satisfies |x* - c| <= k |x* - y| <= k/(1-k) |c - y| <= 2/5 |c - y| for the Newton point c of y.
+ *               So Newton from the middle either leaves the cell by more than that, or its steps shrink: no root, or
+ *               the root;
  *   a root      when f1 and f2 are rounding noise on all of it: a tangency or a pole, as sharp as doubles are;
  *   split       otherwise, along the side on which f changes more.
  *
@@ -59,15 +60,35 @@ static ep_domain leaf_domain(const ep_leaf *leaf)
     return (ep_domain){ f[0], f[1], f[2], f[4], f[5], f[3] };
 }
 
-/* Where the line o + t d is within the prism; false if nowhere between *lo and *hi. */
-static bool clip_to_prism(const ep_leaf *leaf, bool triangle, ep_vec3 o, ep_vec3 d, double lo, double hi)
+/* The ray with its origin next to the patch: o + (t - t0) d, relative to the centre. */
+typedef struct line {
+    ep_vec3 o, d;
+    double t0;
+} line;
+
+static bool make_line(const ep_patch *patch, const float org[3], const float dir[3], line *l)
 {
+    l->d = ep_v3(dir[0], dir[1], dir[2]);
+    const ep_vec3 o = ep_v3((double)org[0] - patch->centre[0] - patch->centre_low[0],
+                            (double)org[1] - patch->centre[1] - patch->centre_low[1],
+                            (double)org[2] - patch->centre[2] - patch->centre_low[2]);
+    const double dd = ep_dot(l->d, l->d);
+    l->t0 = -ep_dot(o, l->d) / dd;
+    l->o = ep_add(o, ep_scale(l->t0, l->d));
+    return dd > 0 && dd < INFINITY && fabs(l->t0) < INFINITY;
+}
+
+bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double *lo, double *hi)
+{
+    line l;
+    if (!make_line(patch, org, dir, &l)) return false;
     if (!(leaf->height < INFINITY)) return true;
-    double a[3], b[3];
+    const bool triangle = patch->kind == EP_KIND_TRIANGLE;
+    double a[3], b[3], from = *lo - l.t0, to = *hi - l.t0;
     for (int c = 0; c < 3; ++c) {
         const ep_vec3 row = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
-        a[c] = ep_dot(row, o) + leaf->frame[3][c];
-        b[c] = ep_dot(row, d);
+        a[c] = ep_dot(row, l.o) + leaf->frame[3][c];
+        b[c] = ep_dot(row, l.d);
     }
     const double side_s = leaf->side_s, side_t = leaf->side_t, height = leaf->height;
     const struct {
@@ -82,11 +103,14 @@ static bool clip_to_prism(const ep_leaf *leaf, bool triangle, ep_vec3 o, ep_vec3
     };
     for (int k = 0; k < 6; ++k) {
         const double room = plane[k].limit - plane[k].a;
-        if (plane[k].b > 0) hi = fmin(hi, room / plane[k].b);
-        else if (plane[k].b < 0) lo = fmax(lo, room / plane[k].b);
+        if (plane[k].b > 0) to = fmin(to, room / plane[k].b);
+        else if (plane[k].b < 0) from = fmax(from, room / plane[k].b);
         else if (room < 0) return false;
     }
-    return lo <= hi + 0x1p-40 * (fabs(lo) + fabs(hi)); /* rounding of the quotients */
+    const double rounding = 0x1p-40 * (fabs(from) + fabs(to)); /* of the quotients */
+    *lo = fmax(*lo, l.t0 + from - rounding);
+    *hi = fmin(*hi, l.t0 + to + rounding);
+    return *lo <= *hi;
 }
 
 /* Two unit vectors perpendicular to d, one of them along the leaf where that makes sense. */
@@ -170,7 +194,7 @@ static verdict newton(const problem *p, const ep_point *net, double *s, double *
         const double ds = (j.pv[0] * j.p[1] - j.pv[1] * j.p[0]) / det;
         const double dt = (j.pu[1] * j.p[0] - j.pu[0] * j.p[1]) / det;
         const double step = fmax(fabs(ds), fabs(dt)), out = outside(p->triangle, *s + ds, *t + dt);
-        if (out > (p->triangle ? 2 : 1) * step + 0x1p-40) return NO_ROOT;
+        if (out > (p->triangle ? 0.8 : 0.4) * step + 0x1p-40) return NO_ROOT; /* two sides' errors add up in s + t */
         *s += ds;
         *t += dt;
         clamp(p->triangle, s, t);
@@ -199,11 +223,13 @@ static void normal(const ep_patch *patch, const ep_leaf *leaf, double u, double 
     ng[0] = n.x, ng[1] = n.y, ng[2] = n.z;
 }
 
-static void set_up(const ep_patch *patch, const ep_leaf *leaf, ep_vec3 o, ep_vec3 d, problem *p)
+static void set_up(const ep_patch *patch, const ep_leaf *leaf, const line *l, problem *p)
 {
+    const ep_vec3 o = l->o, d = l->d;
     const ep_domain domain = leaf_domain(leaf);
     ep_point local[MAX_POINTS];
     ep_vec3 n1, n2;
+    p->t0 = l->t0;
     p->kind = &ep_kinds[patch->kind];
     p->m = patch->degree_u;
     p->n = patch->degree_v;
@@ -228,18 +254,11 @@ static void set_up(const ep_patch *patch, const ep_leaf *leaf, ep_vec3 o, ep_vec
 bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double after,
               double before, ep_root *root)
 {
-    const ep_vec3 d = ep_v3(dir[0], dir[1], dir[2]);
-    ep_vec3 o = ep_v3((double)org[0] - patch->centre[0] - patch->centre_low[0],
-                      (double)org[1] - patch->centre[1] - patch->centre_low[1],
-                      (double)org[2] - patch->centre[2] - patch->centre_low[2]);
-    const double dd = ep_dot(d, d), t0 = -ep_dot(o, d) / dd;
-    if (!(dd > 0 && dd < INFINITY && fabs(t0) < INFINITY)) return false;
-    o = ep_add(o, ep_scale(t0, d));
-    if (!clip_to_prism(leaf, patch->kind == EP_KIND_TRIANGLE, o, d, after - t0, before - t0)) return false;
-
+    line l;
     problem p;
-    p.t0 = t0;
-    set_up(patch, leaf, o, d, &p);
+    if (!make_line(patch, org, dir, &l)) return false;
+    set_up(patch, leaf, &l, &p);
+    const double t0 = l.t0;
     const size_t count = p.kind->point_count(p.m, p.n);
     cell stack[MAX_STACK];
     ep_point net[MAX_POINTS];
@@ -265,7 +284,7 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         const double largest = fmax(fmax(-f1.lo, f1.hi), fmax(-f2.lo, f2.hi));
         const double width = fmax(fabs(at.d.uu) + fabs(at.d.uv), fabs(at.d.vu) + fabs(at.d.vv));
         const slopes g = net_slopes(&p, net);
-        if (deviation(&g) <= 0.2) v = newton(&p, net, &s, &r);
+        if (deviation(&g) <= 0.125) v = newton(&p, net, &s, &r);
         if (v == UNDECIDED && (largest <= p.noise || width <= 0x1p-50 || cells >= MAX_CELLS || depth + 4 > MAX_STACK))
             v = ROOT;
         if (v == ROOT) {
@@ -285,14 +304,18 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         const double along_t = fmax(fabs(g.t[0].lo), fabs(g.t[0].hi)) + fmax(fabs(g.t[1].lo), fabs(g.t[1].hi));
         ep_domain part[4];
         const unsigned parts = p.kind->split(&at.d, along_t > along_s, part);
-        /* the part whose middle is nearest along the ray goes on top */
+        /* The part whose middle is nearest along the ray goes on top; t is taken as linear between the corners, for
+         * this is a guess that saves work and nothing else. */
+        const size_t right = p.kind->index(p.m, p.n, p.m, 0), top = p.kind->index(p.m, p.n, 0, p.n);
+        const double corner = net[0][2] / net[0][3];
+        const double by_s = net[right][2] / net[right][3] - corner, by_t = net[top][2] / net[top][3] - corner;
+        const double *middle = p.kind->centre;
+        const double det = at.d.uu * at.d.vv - at.d.uv * at.d.vu;
         cell c[4];
         for (unsigned k = 0; k < parts; ++k) {
-            ep_jet jet;
-            const double *m = p.kind->centre;
-            p.kind->eval(p.net, p.m, p.n, part[k].u0 + m[0] * part[k].uu + m[1] * part[k].uv,
-                         part[k].v0 + m[0] * part[k].vu + m[1] * part[k].vv, &jet);
-            const double key = jet.p[2] / jet.p[3];
+            const double du = part[k].u0 + middle[0] * part[k].uu + middle[1] * part[k].uv - at.d.u0;
+            const double dv = part[k].v0 + middle[0] * part[k].vu + middle[1] * part[k].vv - at.d.v0;
+            const double key = (by_s * (du * at.d.vv - dv * at.d.uv) + by_t * (dv * at.d.uu - du * at.d.vu)) / det;
             unsigned to = k;
             for (; to > 0 && c[to - 1].t_low < key; --to) c[to] = c[to - 1];
             c[to] = (cell){ part[k], key };

@@ -11,6 +11,10 @@ typedef struct ep_root {
     double ng[3]; /* dP/du x dP/dv; at a collapsed edge its limit from inside */
 } ep_root;
 
+/* Where the ray is in the leaf's prism, within [*lo, *hi], which it narrows; false: nowhere. A leaf without a prism
+ * leaves them as they are. */
+bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double *lo, double *hi);
+
 /* The nearest root with after < t < before; false: there is none. Call again with after = root->t for the next. */
 bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double after,
               double before, ep_root *root);

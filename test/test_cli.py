@@ -10,6 +10,7 @@ import math
 import os
 import re
 import resource
+import signal
 import struct
 import subprocess
 import sys
@@ -312,6 +313,19 @@ def test_files():
     check(os.path.islink("link") and os.path.getsize("old") == 32, "an output through a symbolic link")
     works(Run("trace", good, "--rays", "rays", "--hits", "/dev/null"))
     check(os.path.exists("/dev/null") and not os.path.isfile("/dev/null"), "/dev/null is replaced")
+
+    # Stopped half way: the output is open, the scene still awaited.
+    p = subprocess.Popen([EPATCH, "trace", "-", "--rays", "rays", "--hits", "stopped"], stdin=subprocess.PIPE)
+    unfinished = []
+    for _ in range(200):
+        unfinished = [f for f in os.listdir(".") if f.endswith(".stopped")]
+        if unfinished:
+            break
+        time.sleep(0.05)
+    p.terminate()
+    p.communicate()
+    check(unfinished and p.returncode == -signal.SIGTERM, f"SIGTERM: {unfinished}, status {p.returncode}")
+    check(not [f for f in os.listdir(".") if "stopped" in f], "SIGTERM leaves an unfinished file behind")
 
     # No memory (where the program runs under such a limit at all: sanitizers do not).
     limits = [(resource.RLIMIT_AS, 1 << 30)]

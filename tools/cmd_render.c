@@ -37,7 +37,8 @@ static double (*outline_new(const scene *s, const world *w, size_t *count))[3]
     size_t patches = 0;
     for (size_t i = 0; i < s->object_count; ++i) patches += s->geometries[s->objects[i].geometry].patch_count;
     size_t step = 1 + OUTLINE_GRID * OUTLINE_GRID * patches / OUTLINE_POINTS;
-    double(*points)[3] = malloc(sizeof *points * (OUTLINE_GRID * OUTLINE_GRID * (patches / step + s->object_count) + 1));
+    double(*points)[3] =
+        malloc(sizeof *points * (OUTLINE_GRID * OUTLINE_GRID * (patches / step + s->object_count) + 1));
     *count = 0;
     for (size_t i = 0; points && i < s->object_count; ++i) {
         const scene_object *o = &s->objects[i];
@@ -186,7 +187,10 @@ int cmd_render(int argc, char **argv)
     };
     const arg_table table = {"render SCENE -o IMAGE",
                              "Draws a scene, or any model: a model is framed and lit by itself.",
-                             "SCENE", &c.scene, options, ARG_COUNT(options)};
+                             "SCENE",
+                             &c.scene,
+                             options,
+                             ARG_COUNT(options)};
     int status = args_parse(&table, argc, argv);
     if (status != ARGS_GO) return status;
     if (!c.image) return args_wrong(&table, "-o IMAGE is missing");

@@ -16,12 +16,9 @@ static const struct {
     unsigned count;
     const char *names[3];
 } layer_channels[LAYER_COUNT] = {
-    [LAYER_DEPTH] = {1, {"depth.Z"}},
-    [LAYER_NORMAL] = {3, {"normal.X", "normal.Y", "normal.Z"}},
-    [LAYER_UV] = {2, {"uv.U", "uv.V"}},
-    [LAYER_PRIM] = {1, {"prim.ID"}},
-    [LAYER_OBJECT] = {1, {"object.ID"}},
-    [LAYER_ITERATIONS] = {1, {"iterations.N"}},
+    [LAYER_DEPTH] = {1, {"depth.Z"}},    [LAYER_NORMAL] = {3, {"normal.X", "normal.Y", "normal.Z"}},
+    [LAYER_UV] = {2, {"uv.U", "uv.V"}},  [LAYER_PRIM] = {1, {"prim.ID"}},
+    [LAYER_OBJECT] = {1, {"object.ID"}}, [LAYER_ITERATIONS] = {1, {"iterations.N"}},
     [LAYER_SLOW] = {1, {"slow.N"}},
 };
 

@@ -24,6 +24,9 @@ static const float zenith = 0.32f, horizon = 0.44f, skirting = 0.26f, nadir = 0.
 
 static const float key_strength = 1.15f, key_spread = 0.16f;
 
+/* Irradiance over pi of a surface that faces the key light. */
+static const float full_irradiance = 1.45f;
+
 static void place_lamps(light *l)
 {
     for (int i = 0; i < STUDIO_BOXES; ++i) {
@@ -86,8 +89,9 @@ static vec3 panorama_radiance(const light *l, vec3 d, float blur)
     const panorama *p = l->panorama;
     float texels = blur * (float)p->height / PI;
     while (texels > 2 && p->half) p = p->half, texels *= 0.5f;
-    if (!p->half || texels <= 1) return panorama_level(p, u, v);
-    return vec_mix(panorama_level(p, u, v), panorama_level(p->half, u, v), texels - 1);
+    vec3 c = panorama_level(p, u, v);
+    if (p->half && texels > 1) c = vec_mix(c, panorama_level(p->half, u, v), texels - 1);
+    return vec_scale(l->exposure, c);
 }
 
 static vec3 panorama_direction(const light *l, float u, float v)
@@ -127,7 +131,8 @@ static bool panorama_pyramid(panorama *p)
             for (unsigned x = 0; x < p->half->width; ++x)
                 for (unsigned k = 0; k < 3; ++k) {
                     const float *c = p->rgb + 3 * ((size_t)2 * y * p->width + 2 * x) + k, *below = c + 3 * p->width;
-                    p->half->rgb[3 * ((size_t)y * p->half->width + x) + k] = 0.25f * (c[0] + c[3] + below[0] + below[3]);
+                    p->half->rgb[3 * ((size_t)y * p->half->width + x) + k] =
+                        0.25f * (c[0] + c[3] + below[0] + below[3]);
                 }
     }
     return true;
@@ -209,6 +214,29 @@ void light_studio(light *l, const view *v)
     project_ambient(l);
 }
 
+/* The brightest spot of the panorama, and what it gives beyond its neighbourhood. */
+static void find_key(light *l)
+{
+    vec3 key = l->up, sum = vec_grey(0);
+    float best = -1;
+    for (int j = 0; j < GRID_HEIGHT; ++j)
+        for (int i = 0; i < GRID_WIDTH; ++i) {
+            vec3 d = panorama_direction(l, ((float)i + 0.5f) / GRID_WIDTH, ((float)j + 0.5f) / GRID_HEIGHT);
+            float c = vec_max(panorama_radiance(l, d, PI / 32));
+            if (c > best) best = c, key = d;
+        }
+    set_key(l, key, vec_grey(0), key_spread);
+    for (int j = 0; j < GRID_HEIGHT; ++j) {
+        float y = ((float)j + 0.5f) / GRID_HEIGHT, area = sinf(PI * y) * (PI / GRID_HEIGHT) * (2 * PI / GRID_WIDTH);
+        for (int i = 0; i < GRID_WIDTH; ++i) {
+            vec3 d = panorama_direction(l, ((float)i + 0.5f) / GRID_WIDTH, y);
+            vec3 extra = vec_sub(panorama_radiance(l, d, PI / GRID_HEIGHT), rest_radiance(l, d));
+            sum = vec_madd(sum, maxf(0, vec_dot(d, key)) * area / PI, extra);
+        }
+    }
+    l->key_irradiance = sum;
+}
+
 bool light_panorama(light *l, const view *v, const char *path)
 {
     char why[300];
@@ -228,25 +256,14 @@ bool light_panorama(light *l, const view *v, const char *path)
         return false;
     }
 
-    vec3 key = l->up, sum = vec_grey(0);
-    float best = -1;
-    for (int j = 0; j < GRID_HEIGHT; ++j)
-        for (int i = 0; i < GRID_WIDTH; ++i) {
-            vec3 d = panorama_direction(l, ((float)i + 0.5f) / GRID_WIDTH, ((float)j + 0.5f) / GRID_HEIGHT);
-            float c = vec_max(panorama_radiance(l, d, PI / 32));
-            if (c > best) best = c, key = d;
-        }
-    set_key(l, key, vec_grey(0), 0.14f);
-    for (int j = 0; j < GRID_HEIGHT; ++j) {
-        float y = ((float)j + 0.5f) / GRID_HEIGHT, area = sinf(PI * y) * (PI / GRID_HEIGHT) * (2 * PI / GRID_WIDTH);
-        for (int i = 0; i < GRID_WIDTH; ++i) {
-            vec3 d = panorama_direction(l, ((float)i + 0.5f) / GRID_WIDTH, y);
-            vec3 extra = vec_sub(panorama_radiance(l, d, PI / GRID_HEIGHT), rest_radiance(l, d));
-            sum = vec_madd(sum, maxf(0, vec_dot(d, key)) * area / PI, extra);
-        }
-    }
-    l->key_irradiance = sum;
+    l->exposure = 1;
+    find_key(l);
     project_ambient(l);
+
+    float irradiance = vec_max(vec_add(l->key_irradiance, light_ambient(l, l->key)));
+    if (irradiance > 0) l->exposure = full_irradiance / irradiance;
+    l->key_irradiance = vec_scale(l->exposure, l->key_irradiance);
+    for (int k = 0; k < 9; ++k) l->ambient[k] = vec_scale(l->exposure, l->ambient[k]);
     return true;
 }
 
@@ -282,7 +299,7 @@ vec3 light_ambient(const light *l, vec3 n)
 vec3 light_background(const light *l, vec3 d, float x, float y)
 {
     if (l->panorama) return panorama_radiance(l, d, 0.04f);
-    float grey = 0.42f + 0.17f * y;              /* lighter below, as a backdrop lit from above the camera */
+    float grey = 0.42f + 0.17f * y;                      /* lighter below, as a backdrop lit from above the camera */
     grey *= 1 - 0.20f * minf(1, 0.5f * (x * x + y * y)); /* and darker towards the corners */
     return vec(0.985f * grey, 0.995f * grey, 1.01f * grey);
 }

@@ -29,12 +29,13 @@ typedef struct soft_box {
 
 typedef struct light {
     soft_box boxes[STUDIO_BOXES];
-    vec3 up, right, back;    /* the studio stands around the camera: back points from the target to it */
-    vec3 key, key_s, key_t;  /* towards the key light, and across it                                    */
-    vec3 key_irradiance;     /* on a surface that faces it, divided by pi                               */
-    float key_spread;        /* tangent of the half angle from which it shines                          */
-    vec3 ambient[9];         /* irradiance of the rest over pi, in spherical harmonics up to degree 2   */
-    panorama *panorama;      /* NULL: the studio                                                        */
+    vec3 up, right, back;   /* the studio stands around the camera: back points from the target to it */
+    vec3 key, key_s, key_t; /* towards the key light, and across it                                    */
+    vec3 key_irradiance;    /* on a surface that faces it, divided by pi                               */
+    float key_spread;       /* tangent of the half angle from which it shines                          */
+    vec3 ambient[9];        /* irradiance of the rest over pi, in spherical harmonics up to degree 2   */
+    panorama *panorama;     /* NULL: the studio                                                        */
+    float exposure;         /* of the panorama, so that it lights as strongly as the studio             */
 } light;
 
 /* The studio, with its key light above the viewer's left shoulder. */

@@ -88,8 +88,14 @@ static void render_layers(const shader *s, const view *v, const film *f, unsigne
 {
     struct RTCRayHit rh;
     vec3 d = view_direction(v, x + 0.5, y + 0.5);
-    rh.ray = (struct RTCRay){.org_x = v->eye.x, .org_y = v->eye.y, .org_z = v->eye.z,
-                             .dir_x = d.x, .dir_y = d.y, .dir_z = d.z, .tfar = INFINITY, .mask = ~0u};
+    rh.ray = (struct RTCRay){.org_x = v->eye.x,
+                             .org_y = v->eye.y,
+                             .org_z = v->eye.z,
+                             .dir_x = d.x,
+                             .dir_y = d.y,
+                             .dir_z = d.z,
+                             .tfar = INFINITY,
+                             .mask = ~0u};
     memset(&rh.hit, 0xff, sizeof rh.hit);
     EPCounters before, after;
     epGetThreadCounters(&before);

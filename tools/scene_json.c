@@ -400,10 +400,10 @@ bool scene_read_json(const char *path, scene *s)
     bool done = false;
     if (root.json) {
         done = read_scene(&(reader){path, text, s}, &root);
-    } else if (json_error_code(&error) == json_error_out_of_memory) {
-        report_no_memory(s->path);
     } else if (!size) {
         report_file(s->path, "the file is empty");
+    } else if (!error.text[0]) { /* jansson always finds words but when an allocation fails */
+        report_no_memory(s->path);
     } else {
         size_t column = error.column > 0 ? (size_t)error.column : 1; /* 0: a line that has not begun */
         report((place){s->path, (size_t)error.line, column}, "%s", error.text);

@@ -17,7 +17,6 @@
 /* Of the sky's light, what reaches a point from where another surface hides the sky, times the point's albedo. */
 #define BOUNCE 0.55f
 
-
 /* A hit, made ready to start rays from. */
 typedef struct site {
     vec3 p, n;   /* n: unit normal on the viewer's side */
@@ -108,8 +107,14 @@ static site site_of_hit(const shader *s, vec3 org, vec3 d, const world_hit *h)
 static void set_ray(struct RTCRay *r, const site *from, vec3 d)
 {
     vec3 o = vec_madd(from->p, from->leave, from->n);
-    *r = (struct RTCRay){.org_x = o.x, .org_y = o.y, .org_z = o.z, .dir_x = d.x, .dir_y = d.y, .dir_z = d.z,
-                         .tfar = INFINITY, .mask = ~0u};
+    *r = (struct RTCRay){.org_x = o.x,
+                         .org_y = o.y,
+                         .org_z = o.z,
+                         .dir_x = d.x,
+                         .dir_y = d.y,
+                         .dir_z = d.z,
+                         .tfar = INFINITY,
+                         .mask = ~0u};
 }
 
 /* d must leave on the side of the site's normal. */

@@ -21,6 +21,7 @@
 struct world_private {
     tessellation *tessellations; /* one a geometry, empty for exact patches */
     RTCScene *instanced;         /* one a geometry, NULL when nothing instances it */
+    enum RTCBuildQuality quality;
     atomic_llong embree_bytes;
     char embree_error[200]; /* the first one */
 };
@@ -177,7 +178,7 @@ static RTCGeometry new_geometry(world *w, size_t i)
 static RTCScene new_scene(world *w)
 {
     RTCScene s = rtcNewScene(w->device);
-    if (s) rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_HIGH);
+    if (s) rtcSetSceneBuildQuality(s, w->p->quality);
     else if (!embree_failed(w)) report_no_memory(w->scene->path);
     return s;
 }
@@ -263,6 +264,8 @@ static bool build(world *w, const world_options *o)
     if (!allocate(w)) return report_no_memory(w->scene->path), false;
     for (int x = 0; x < 3; ++x) w->bounds[x] = INFINITY, w->bounds[3 + x] = -INFINITY;
 
+    /* On the even grids of a tessellation HIGH takes three times as long to build and traces no faster. */
+    w->p->quality = o->tessellation ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH;
     int threads = o->threads ? (int)o->threads : omp_get_max_threads();
     if (!open_device(w, o->threads)) return false;
     w->rtc = new_scene(w);

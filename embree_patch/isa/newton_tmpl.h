@@ -125,7 +125,8 @@ static inline X(step) X(advance)(X(visit) *v, int triangle, const X(jet) *j)
     const X(f) outside = triangle ? X(max)(X(max)(-r.s, -r.t), (r.s + r.t) - one)
                                   : X(max)(X(max)(-r.s, -r.t), X(max)(r.s, r.t) - one);
     const X(f) margin = X(fma)(X(set)(4.0f), noise, bound);
-    const X(m) miss = X(lt)(triangle ? margin + margin : margin, outside);
+    /* no root in D, or none in the neighbourhood */
+    const X(m) miss = X(or)(X(lt)(triangle ? margin + margin : margin, outside), X(lt)(v->radius + margin, length));
     const X(m) done = X(and)(X(and)(X(le)(length, X(set)(EP_NEAR)), X(le)(bound, noise)), unique);
     r.hit = X(andnot)(X(and)(v->live, done), miss);
     v->live = X(andnot)(v->live, X(or)(miss, done));

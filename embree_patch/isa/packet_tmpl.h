@@ -99,12 +99,73 @@ EP_INLINE w_f w_along(float a, w_f su, float b, w_f sv, int triangle)
     return triangle ? w_fma(w_set(a), su, w_set(b) * sv) : w_set(a) * su;
 }
 
+/* The patch's parameters at (s, t) of a leaf. */
+EP_INLINE void w_parameters(const ep_leaf *leaf, int triangle, w_f s, w_f t, w_f *u, w_f *v)
+{
+    const float *d = leaf->domain;
+    *u = w_fma(s, w_set(d[2]), triangle ? w_fma(t, w_set(d[4]), w_set(d[0])) : w_set(d[0]));
+    *v = w_fma(t, w_set(d[3]), triangle ? w_fma(s, w_set(d[5]), w_set(d[1])) : w_set(d[1]));
+}
+
+/* The origin moved by t: o' = (org - centre) + t dir, with the roundings of the difference and of the product carried
+ * along (Knuth's two-sum, and a fused multiply-add): right to an ulp of o' itself, however far the ray has come. */
+EP_INLINE void w_move(const ep_patch *patch, const w_f *org, const w_f *dir, w_f t, w_f *moved)
+{
+    for (int c = 0; c < 3; ++c) {
+        const w_f centre = w_set(patch->centre[c]), o = org[c] - centre, back = o - org[c];
+        const w_f lost = (org[c] - (o - back)) - (centre + back);
+        const w_f way = t * dir[c], way_lost = w_fma(t, dir[c], -way);
+        moved[c] = (o + way) + ((way_lost + lost) - w_set(patch->centre_low[c]));
+    }
+}
+
+/* The jet of S - o' at (s, t), and the tangents in space. */
+EP_INLINE w_jet w_jet_at(const ep_leaf *leaf, const ep_patch *patch, int triangle, unsigned m, unsigned n, int rational,
+                         w_f s, w_f t, const w_f *moved, w_4 *su, w_4 *sv)
+{
+    const float *d = leaf->domain;
+    w_f u, v;
+    w_4 p;
+    w_parameters(leaf, triangle, s, t, &u, &v);
+    w_evaluate(patch, triangle, m, n, rational, u, v, &p, su, sv);
+    for (int c = 0; c < 3; ++c) p.c[c] = p.c[c] - moved[c];
+    const w_3 lu = w_to_leaf(leaf, su->c), lv = w_to_leaf(leaf, sv->c);
+    w_jet j;
+    j.at = w_to_leaf(leaf, p.c);
+    j.ds = (w_3){ w_along(d[2], lu.x, d[5], lv.x, triangle), w_along(d[2], lu.y, d[5], lv.y, triangle),
+                  w_along(d[2], lu.z, d[5], lv.z, triangle) };
+    j.dt = (w_3){ w_along(d[3], lv.x, d[4], lu.x, triangle), w_along(d[3], lv.y, d[4], lu.y, triangle),
+                  w_along(d[3], lv.z, d[4], lu.z, triangle) };
+    return j;
+}
+
+/* Ng = S_u x S_v into the rows of a hit packet, and u, v. */
+EP_INLINE void w_put_hit(const ep_leaf *leaf, int triangle, w_f s, w_f t, const w_f *ng, float *hit, unsigned rays,
+                         uint32_t mask)
+{
+    const w_f zero = w_set(0.0f), one = w_set(1.0f);
+    w_f u, v;
+    w_parameters(leaf, triangle, s, t, &u, &v);
+    u = w_min(w_max(u, zero), one);
+    v = w_min(w_max(v, zero), triangle ? one - u : one);
+    for (unsigned c = 0; c < 3; ++c) w_store(hit + (EP_HIT_NG + c) * rays, mask, ng[c]);
+    w_store(hit + EP_HIT_U * rays, mask, u);
+    w_store(hit + EP_HIT_V * rays, mask, v);
+}
+
+EP_INLINE void w_normal(const w_4 *su, const w_4 *sv, w_m where, w_f *ng)
+{
+    for (int c = 0; c < 3; ++c) {
+        const int a = (c + 1) % 3, b = (c + 2) % 3;
+        ng[c] = w_select(where, w_fnma(su->c[b], sv->c[a], su->c[a] * sv->c[b]), ng[c]);
+    }
+}
+
 EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned rays,
                               uint32_t active, float *t_out, float *hit_out, EPCounters *counters, int triangle,
                               unsigned m, unsigned n, int rational)
 {
     ep_outcome outcome = { 0, 0 };
-    const float *dom = leaf->domain;
     for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES, t_out += EP_LANES, hit_out += EP_LANES) {
         const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
@@ -126,42 +187,14 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const 
         counters->visits += (unsigned)__builtin_popcount(lanes);
         uint32_t live = w_bits(visit.live), hit = 0;
         counters->solves += (unsigned)__builtin_popcount(live | w_bits(visit.slow));
-        if (!live) {
-            outcome.slow |= w_bits(visit.slow) << base;
-            continue;
-        }
+        if (live) w_move(patch, org, dir, visit.t_plane, moved);
 
-        /* The origin moved to the plane, o' = (org - centre) + t_plane dir, with the roundings of the difference and
-         * of the product carried along (Knuth's two-sum, and a fused multiply-add): right to an ulp of o' itself,
-         * however far the ray has come. */
-        for (int c = 0; c < 3; ++c) {
-            const w_f centre = w_set(patch->centre[c]), back = o[c] - org[c];
-            const w_f lost = (org[c] - (o[c] - back)) - (centre + back);
-            const w_f way = visit.t_plane * dir[c];
-            const w_f way_lost = w_fma(visit.t_plane, dir[c], -way);
-            moved[c] = (o[c] + way) + ((way_lost + lost) - w_set(patch->centre_low[c]));
-        }
-
-        w_4 s, su, sv;
         w_f s_root = visit.s, t_root = visit.t, t_hit = tfar, ng[3] = { tfar, tfar, tfar };
         while (live) {
-            const w_f u = triangle ? w_fma(visit.s, w_set(dom[2]), w_fma(visit.t, w_set(dom[4]), w_set(dom[0])))
-                                   : w_fma(visit.s, w_set(dom[2]), w_set(dom[0]));
-            const w_f v = triangle ? w_fma(visit.s, w_set(dom[5]), w_fma(visit.t, w_set(dom[3]), w_set(dom[1])))
-                                   : w_fma(visit.t, w_set(dom[3]), w_set(dom[1]));
-            w_evaluate(patch, triangle, m, n, rational, u, v, &s, &su, &sv);
+            w_4 su, sv;
+            const w_jet jet =
+                w_jet_at(leaf, patch, triangle, m, n, rational, visit.s, visit.t, moved, &su, &sv);
             counters->evaluations += (unsigned)__builtin_popcount(live);
-            w_f at[3];
-            for (int c = 0; c < 3; ++c) at[c] = s.c[c] - moved[c];
-            const w_3 lu = w_to_leaf(leaf, su.c), lv = w_to_leaf(leaf, sv.c);
-            const w_jet jet = {
-                w_to_leaf(leaf, at),
-                { w_along(dom[2], lu.x, dom[5], lv.x, triangle), w_along(dom[2], lu.y, dom[5], lv.y, triangle),
-                  w_along(dom[2], lu.z, dom[5], lv.z, triangle) },
-                { w_along(triangle ? dom[4] : dom[3], triangle ? lu.x : lv.x, dom[3], lv.x, triangle),
-                  w_along(triangle ? dom[4] : dom[3], triangle ? lu.y : lv.y, dom[3], lv.y, triangle),
-                  w_along(triangle ? dom[4] : dom[3], triangle ? lu.z : lv.z, dom[3], lv.z, triangle) },
-            };
             const w_step step = w_advance(&visit, triangle, &jet);
             const w_f t = visit.t_plane + step.distance;
             const w_m found = w_and(step.hit, w_and(w_lt(tnear, t), w_lt(t, tfar)));
@@ -169,26 +202,14 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const 
             s_root = w_select(found, step.s, s_root);
             t_root = w_select(found, step.t, t_root);
             t_hit = w_select(found, t, t_hit);
-            for (int c = 0; c < 3; ++c) {
-                const int a = (c + 1) % 3, b = (c + 2) % 3;
-                ng[c] = w_select(found, w_fnma(su.c[b], sv.c[a], su.c[a] * sv.c[b]), ng[c]);
-            }
+            w_normal(&su, &sv, found, ng);
             live = w_bits(visit.live);
         }
         outcome.slow |= w_bits(visit.slow) << base;
         if (!hit) continue;
         outcome.hit |= hit << base;
-        const w_f zero = w_set(0.0f), one = w_set(1.0f);
-        w_f u = triangle ? w_fma(s_root, w_set(dom[2]), w_fma(t_root, w_set(dom[4]), w_set(dom[0])))
-                         : w_fma(s_root, w_set(dom[2]), w_set(dom[0]));
-        w_f v = triangle ? w_fma(s_root, w_set(dom[5]), w_fma(t_root, w_set(dom[3]), w_set(dom[1])))
-                         : w_fma(t_root, w_set(dom[3]), w_set(dom[1]));
-        u = w_min(w_max(u, zero), one);
-        v = w_min(w_max(v, zero), triangle ? one - u : one);
         w_store(t_out, hit, t_hit);
-        for (unsigned c = 0; c < 3; ++c) w_store(hit_out + (EP_HIT_NG + c) * rays, hit, ng[c]);
-        w_store(hit_out + EP_HIT_U * rays, hit, u);
-        w_store(hit_out + EP_HIT_V * rays, hit, v);
+        w_put_hit(leaf, triangle, s_root, t_root, ng, hit_out, rays, hit);
     }
     return outcome;
 }

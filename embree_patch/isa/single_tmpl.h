@@ -55,6 +55,13 @@ EP_INLINE f4 s_to_leaf(const f4 *frame, f4 x)
     return f4_fma(frame[2], f4_lane(x, 2), f4_fma(frame[1], f4_lane(x, 1), frame[0] * f4_lane(x, 0)));
 }
 
+EP_INLINE void s_parameters(const ep_leaf *leaf, int triangle, float s, float t, float *u, float *v)
+{
+    const float *d = leaf->domain;
+    *u = s_fma(s, d[2], triangle ? s_fma(t, d[4], d[0]) : d[0]);
+    *v = s_fma(t, d[3], triangle ? s_fma(s, d[5], d[1]) : d[1]);
+}
+
 EP_INLINE float s_along(float a, float su, float b, float sv, int triangle)
 {
     return triangle ? s_fma(a, su, b * sv) : a * su;
@@ -86,8 +93,8 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const ep_patch *patch, const 
     const f4 moved = (o + way) + ((way_lost + lost) - f4_load3(patch->centre_low));
 
     for (;;) {
-        const float u = triangle ? s_fma(visit.s, dom[2], s_fma(visit.t, dom[4], dom[0])) : s_fma(visit.s, dom[2], dom[0]);
-        const float v = triangle ? s_fma(visit.s, dom[5], s_fma(visit.t, dom[3], dom[1])) : s_fma(visit.t, dom[3], dom[1]);
+        float u, v;
+        s_parameters(leaf, triangle, visit.s, visit.t, &u, &v);
         f4 s, su, sv;
         s_evaluate(patch, triangle, m, n, rational, u, v, &s, &su, &sv);
         ++counters->evaluations;
@@ -96,24 +103,22 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const ep_patch *patch, const 
         jet.at = (s_3){ at[0], at[1], at[2] };
         jet.ds = (s_3){ s_along(dom[2], lu[0], dom[5], lv[0], triangle), s_along(dom[2], lu[1], dom[5], lv[1], triangle),
                         s_along(dom[2], lu[2], dom[5], lv[2], triangle) };
-        jet.dt = triangle ? (s_3){ s_fma(dom[4], lu[0], dom[3] * lv[0]), s_fma(dom[4], lu[1], dom[3] * lv[1]),
-                                   s_fma(dom[4], lu[2], dom[3] * lv[2]) }
-                          : (s_3){ dom[3] * lv[0], dom[3] * lv[1], dom[3] * lv[2] };
+        jet.dt = (s_3){ s_along(dom[3], lv[0], dom[4], lu[0], triangle), s_along(dom[3], lv[1], dom[4], lu[1], triangle),
+                        s_along(dom[3], lv[2], dom[4], lu[2], triangle) };
         const s_step step = s_advance(&visit, triangle, &jet);
         if (visit.live) continue;
         if (visit.slow) return (ep_outcome){ 0, 1 };
         const float t = visit.t_plane + step.distance;
         if (!(step.hit && tnear < t && t < tfar)) return (ep_outcome){ 0, 0 };
 
-        const float hu = triangle ? s_fma(step.s, dom[2], s_fma(step.t, dom[4], dom[0])) : s_fma(step.s, dom[2], dom[0]);
-        const float hv = triangle ? s_fma(step.s, dom[5], s_fma(step.t, dom[3], dom[1])) : s_fma(step.t, dom[3], dom[1]);
         *t_out = t;
         for (int c = 0; c < 3; ++c) {
             const int a = (c + 1) % 3, b = (c + 2) % 3;
             hit_out[EP_HIT_NG + c] = s_fnma(su[b], sv[a], su[a] * sv[b]);
         }
-        hit_out[EP_HIT_U] = s_min(s_max(hu, 0.0f), 1.0f);
-        hit_out[EP_HIT_V] = s_min(s_max(hv, 0.0f), triangle ? 1.0f - hit_out[EP_HIT_U] : 1.0f);
+        s_parameters(leaf, triangle, step.s, step.t, &u, &v);
+        hit_out[EP_HIT_U] = s_min(s_max(u, 0.0f), 1.0f);
+        hit_out[EP_HIT_V] = s_min(s_max(v, 0.0f), triangle ? 1.0f - hit_out[EP_HIT_U] : 1.0f);
         return (ep_outcome){ 1, 0 };
     }
 }

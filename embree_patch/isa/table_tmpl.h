@@ -15,9 +15,10 @@
 #undef X
 #include "embree_patch/isa/packet_tmpl.h"
 #include "embree_patch/isa/single_tmpl.h"
+#include "embree_patch/isa/cells_tmpl.h"
 
-/* A pair of kernels; `m` and `n` may read the patch. */
-#define EP_PAIR(name, triangle, m, n, rational)                                                                        \
+/* The three kernels of a shape; `m` and `n` may read the patch. */
+#define EP_SHAPE(name, triangle, m, n, rational)                                                                        \
     static ep_outcome packet_##name(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned rays,       \
                                     uint32_t active, float *t, float *hit, EPCounters *counters)                       \
     {                                                                                                                  \
@@ -28,14 +29,19 @@
     {                                                                                                                  \
         (void)rays, (void)active;                                                                                      \
         return s_single(leaf, patch, ray, t, hit, counters, triangle, m, n, rational);                                 \
+    }                                                                                                                  \
+    static void cells_##name(const ep_leaf *leaf, const ep_patch *patch, const float *ray, double lo, double hi,       \
+                             ep_cells *out, EPCounters *counters)                                                      \
+    {                                                                                                                  \
+        w_cells(leaf, patch, ray, lo, hi, out, counters, triangle, m, n, rational);                                    \
     }
 
 #define EP_DEGREES(name, triangle, rational)                                                                           \
-    EP_PAIR(name##_any, triangle, patch->degree_u, patch->degree_v, rational)                                          \
-    EP_PAIR(name##_1, triangle, 1, 1, rational)                                                                        \
-    EP_PAIR(name##_2, triangle, 2, 2, rational)                                                                        \
-    EP_PAIR(name##_3, triangle, 3, 3, rational)                                                                        \
-    EP_PAIR(name##_4, triangle, 4, 4, rational)
+    EP_SHAPE(name##_any, triangle, patch->degree_u, patch->degree_v, rational)                                          \
+    EP_SHAPE(name##_1, triangle, 1, 1, rational)                                                                        \
+    EP_SHAPE(name##_2, triangle, 2, 2, rational)                                                                        \
+    EP_SHAPE(name##_3, triangle, 3, 3, rational)                                                                        \
+    EP_SHAPE(name##_4, triangle, 4, 4, rational)
 
 EP_DEGREES(tensor, 0, 0)
 EP_DEGREES(tensor_rational, 0, 1)
@@ -51,5 +57,6 @@ const ep_kernels EP_KERNELS = {
     .width = EP_LANES,
     .packet = EP_ALL(packet),
     .single = EP_ALL(single),
+    .cells = EP_ALL(cells),
     .commit = w_commit,
 };

@@ -93,30 +93,83 @@ static uint32_t offer(const query *q, uint32_t mask, candidates *c)
     return accepted;
 }
 
-/* One ray by subdivision, nearest root first. */
-static uint32_t solve_lane(const query *q, unsigned lane, candidates *c)
+/* Candidates of one ray, nearest first, until one is accepted. */
+static bool offer_root(const query *q, unsigned lane, float t, const float field[5], candidates *c)
 {
-    const unsigned n = q->n;
-    float org[3], dir[3];
-    for (unsigned k = 0; k < 3; ++k) {
-        org[k] = q->ray[(EP_RAY_ORG + k) * n + lane];
-        dir[k] = q->ray[(EP_RAY_DIR + k) * n + lane];
-    }
-    const float tnear = q->ray[EP_RAY_TNEAR * n + lane], tfar = q->ray[EP_RAY_TFAR * n + lane];
-    double after = tnear;
-    ep_root root;
-    while (ep_solve(q->patch, q->leaf, org, dir, after, tfar, &root)) {
+    c->t[lane] = t;
+    for (unsigned f = 0; f < 5; ++f) c->hit[f * q->n + lane] = field[f];
+    return offer(q, 1u << lane, c) != 0;
+}
+
+static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray, double lo, double hi, candidates *c)
+{
+    const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
+    ep_root r;
+    while (ep_solve(q->patch, q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, lo, hi, &r)) {
         /* the next one is told apart from this by more than the rounding of both */
-        after = root.t + 0x1p-40 * fabs(root.t);
-        const float t = (float)root.t;
-        if (!(tnear < t && t < tfar)) continue;
-        c->t[lane] = t;
-        for (unsigned k = 0; k < 3; ++k) c->hit[(EP_HIT_NG + k) * n + lane] = (float)root.ng[k];
-        c->hit[EP_HIT_U * n + lane] = (float)root.u;
-        c->hit[EP_HIT_V * n + lane] = (float)root.v;
-        if (offer(q, 1u << lane, c)) return 1u << lane;
+        lo = r.t + 0x1p-40 * fabs(r.t);
+        const float t = (float)r.t;
+        const float field[5] = { (float)r.ng[0], (float)r.ng[1], (float)r.ng[2], (float)r.u, (float)r.v };
+        if (tnear < t && t < tfar && offer_root(q, lane, t, field, c)) return true;
     }
-    return 0;
+    return false;
+}
+
+/* The root offered last, in leaf coordinates: neighbouring cells find the same one. */
+typedef struct last_root {
+    bool any;
+    float s, r, radius;
+} last_root;
+
+/* Rounds of cells before subdivision; each looks sixteen times closer. */
+enum { CELL_ROUNDS = 3 };
+
+/* The ray between lo and hi, cell by cell in order of t; a run of undecided cells is cut into cells again. */
+static bool solve_by_cells(const query *q, unsigned lane, const float *ray, double lo, double hi, unsigned round,
+                           last_root *last, candidates *c, EPCounters *counters)
+{
+    ep_cells cells;
+    q->geometry->kernels->cells[q->patch->shape](q->leaf, q->patch, ray, lo, hi, &cells, counters);
+    const double length = (hi - lo) / EP_PACKET;
+    for (unsigned k = 0; k < EP_PACKET; ++k) {
+        if (cells.open >> k & 1) {
+            unsigned end = k + 1;
+            while (end < EP_PACKET && cells.open >> end & 1) ++end;
+            const double from = lo + length * k, to = lo + length * end;
+            if (round + 1 < CELL_ROUNDS && end - k < EP_PACKET) {
+                if (solve_by_cells(q, lane, ray, from, to, round + 1, last, c, counters)) return true;
+            } else {
+                ++counters->slow;
+                if (solve_by_subdivision(q, lane, ray, from, to, c)) return true;
+            }
+            k = end - 1;
+        } else if (cells.hit >> k & 1) {
+            const float near = last->radius + cells.radius[k];
+            if (last->any && fabsf(cells.s[k] - last->s) <= near && fabsf(cells.r[k] - last->r) <= near) continue;
+            *last = (last_root){ true, cells.s[k], cells.r[k], cells.radius[k] };
+            float field[5];
+            for (unsigned f = 0; f < 5; ++f) field[f] = cells.fields[f * EP_PACKET + k];
+            if (offer_root(q, lane, cells.t[k], field, c)) return true;
+        }
+    }
+    return false;
+}
+
+/* A ray that the certificate of the whole leaf did not decide: cell by cell along its way through the prism, and by
+ * subdivision where that does not do either. */
+static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters *counters)
+{
+    float ray[EP_RAY_FIELDS];
+    for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = q->ray[f * q->n + lane];
+    double lo = ray[EP_RAY_TNEAR], hi = ray[EP_RAY_TFAR];
+    if (!ep_clip(q->patch, q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, &lo, &hi)) return false;
+    if (q->leaf->height < INFINITY) {
+        last_root last = { 0 };
+        ++counters->cells;
+        return solve_by_cells(q, lane, ray, lo, hi, 0, &last, c, counters);
+    }
+    ++counters->slow;
+    return solve_by_subdivision(q, lane, ray, lo, hi, c);
 }
 
 /* Few rays of a packet, each by the single-ray kernel; the bits are the same. */
@@ -151,9 +204,10 @@ static void run(const query *q, int *valid)
     else if (__builtin_popcount(active) <= SPARSE) o = run_sparse(q, active, &c, counters);
     else o = kernels->packet[q->patch->shape](q->leaf, q->patch, q->ray, q->n, active, c.t, c.hit, counters);
     if (o.hit) accepted = offer(q, o.hit, &c);
-    counters->slow += (unsigned)__builtin_popcount(o.slow);
-    for (uint32_t slow = o.slow; slow; slow &= slow - 1)
-        accepted |= solve_lane(q, (unsigned)__builtin_ctz(slow), &c);
+    for (uint32_t slow = o.slow; slow; slow &= slow - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(slow);
+        accepted |= (uint32_t)solve_lane(q, lane, &c, counters) << lane;
+    }
     for (unsigned i = 0; i < q->n; ++i)
         if (active >> i & 1) ep_rtc_report(valid, i, accepted >> i & 1);
 }

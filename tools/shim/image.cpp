@@ -2,8 +2,9 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * Encoders write into memory wherever the format allows it, so that a full disk is the caller's fwrite's to notice
- * (several encoders do not check theirs). The few that insist on a file of their own are read back. */
+ * Encoders write to a file in memory, whose bytes are then handed over: several of them do not notice a full disk, but
+ * the caller's fwrite does. OpenImageIO's own way of encoding into memory is not open to every format, and loses the
+ * directory of 16-bit TIFFs in version 2.4. */
 #include "tools/shim/image.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -18,6 +19,9 @@
 #include <new>
 #include <string>
 #include <vector>
+
+#include <sys/mman.h>
+#include <unistd.h>
 
 using namespace OIIO;
 
@@ -71,20 +75,35 @@ TypeDesc sample_type(const image &im, const ImageOutput &out)
     return std::string(out.format_name()) == "tiff" ? TypeDesc::UINT16 : TypeDesc::UINT8;
 }
 
-/* Was everything written? */
-bool reads_back(const char *path, const image &im, std::string &message)
+/* A nameless file in memory, which can be opened by a path all the same. */
+class memory_file
 {
-    auto in = ImageInput::open(path);
-    std::vector<float> row(size_t(im.width) * im.channels);
-    bool ok = in && unsigned(in->spec().width) == im.width && unsigned(in->spec().height) == im.height &&
-              unsigned(in->spec().nchannels) <= im.channels &&
-              in->read_scanline(int(im.height) - 1, 0, TypeDesc::FLOAT, row.data());
-    if (!ok) {
-        geterror();
-        message = "the file is incomplete (is the disk full?)";
+  public:
+    memory_file() : fd(memfd_create("image", MFD_CLOEXEC)) {}
+    ~memory_file()
+    {
+        if (fd >= 0) close(fd);
     }
-    return ok;
-}
+    memory_file(const memory_file &) = delete;
+    memory_file &operator=(const memory_file &) = delete;
+
+    std::string path() const { return "/proc/self/fd/" + std::to_string(fd); }
+
+    bool copy_to(FILE *to) const
+    {
+        std::vector<char> block(1 << 16);
+        off_t at = 0;
+        ssize_t n;
+        while ((n = pread(fd, block.data(), block.size(), at)) > 0) {
+            std::fwrite(block.data(), 1, size_t(n), to);
+            at += n;
+        }
+        return n == 0;
+    }
+
+  private:
+    int fd;
+};
 
 } // namespace
 
@@ -145,26 +164,31 @@ extern "C" bool image_write(const image *im, const char *path, FILE *file, char 
             message = "no image format has this extension";
             return false;
         }
+        std::string format = out->format_name();
         ImageSpec spec(int(im->width), int(im->height), int(im->channels), sample_type(*im, *out));
         spec.channelnames.assign(im->names, im->names + im->channels);
         spec.attribute("oiio:ColorSpace", im->kind == IMAGE_LINEAR ? "Linear" : "sRGB");
         spec.attribute("Software", "epatch");
+        spec.attribute("DateTime", ""); /* or the time is put in, and no two files are equal */
         if (im->kind == IMAGE_DISPLAY) spec.attribute("oiio:dither", 1); /* smooth backgrounds show bands otherwise */
-        if (std::string(out->format_name()) == "jpeg") {
+        if (format == "jpeg") {
             spec.attribute("Compression", "jpeg:95");
             spec.attribute("jpeg:subsampling", "4:4:4");
         }
 
-        Filesystem::IOVecOutput memory;
-        bool in_memory = out->supports("ioproxy") && out->set_ioproxy(&memory);
-        if (!out->open(path, spec) || !out->write_image(TypeDesc::FLOAT, im->pixels) || !out->close()) {
+        memory_file memory;
+        Filesystem::IOFile stream(memory.path(), Filesystem::IOProxy::Write);
+        /* Given a stream, JPEG 2000 still looks at the extension. 16-bit TIFFs come out without their directory. */
+        bool streamed = format != "tiff" && out->supports("ioproxy") && out->set_ioproxy(&stream);
+        if (!out->open(streamed ? path : memory.path(), spec) || !out->write_image(TypeDesc::FLOAT, im->pixels) ||
+            !out->close()) {
             message = out->geterror();
             if (message.empty()) message = "the encoder failed";
             return false;
         }
-        if (!in_memory) return reads_back(path, *im, message);
-        std::fwrite(memory.buffer().data(), 1, memory.buffer().size(), file);
-        return true;
+        stream.close();
+        message = "cannot read back what was encoded";
+        return memory.copy_to(file);
     });
 }
 

@@ -37,8 +37,8 @@ typedef struct image {
     image_kind kind;
 } image;
 
-/* Encodes in the format of `path`'s extension. The bytes go to `file`, which writes to `path`; the caller looks
- * after its errors. False with a sentence in `why`. */
+/* Encodes in the format of `path`'s extension; nothing but that is made of `path`. The bytes go to `file`, whose
+ * errors are the caller's to notice. False with a sentence in `why`. */
 bool image_write(const image *im, const char *path, FILE *file, char *why, size_t size);
 
 /* Three floats a pixel, linear, top row first; the caller frees them. NULL with a sentence in `why`. */

@@ -1,0 +1,244 @@
+/* verify.c - see verify.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Rays go through in blocks. The first setup's answers are judged; another setup's only where they differ. */
+#include "tools/verify.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = 1 << 15 };
+
+/* A geometry, traceable with each instruction set of the setups, and the buffers for a block. */
+typedef struct bench {
+    const verify_options *o;
+    oracle *oracle;
+    world *worlds[VERIFY_SETUPS]; /* setups of the same instruction set share one */
+    trace_ray *rays;
+    world_hit *first, *hits;
+    uint8_t *verdicts, *occluded, *faulty;
+} bench;
+
+size_t verify_faults(const verify_row *row)
+{
+    size_t sum = row->occluded + row->bits;
+    for (int k = JUDGE_MISSED; k < JUDGE_VERDICTS; ++k) sum += row->verdicts[k];
+    return sum;
+}
+
+static oracle *oracle_of(const scene_geometry *g)
+{
+    oracle_patch *patches = malloc((g->patch_count + 1) * sizeof *patches);
+    if (!patches) return NULL;
+    for (size_t i = 0; i < g->patch_count; ++i) {
+        const patch *p = &g->patches[i];
+        patches[i] = (oracle_patch){p->kind == PATCH_TRIANGLE, p->degree_u, p->degree_v, g->points + 4 * p->first};
+    }
+    oracle *o = oracle_new(patches, g->patch_count);
+    free(patches);
+    return o;
+}
+
+static void bench_close(bench *b)
+{
+    for (size_t i = 0; i < b->o->setup_count; ++i) {
+        bool shared = false;
+        for (size_t k = 0; k < i; ++k) shared = shared || b->worlds[k] == b->worlds[i];
+        if (!shared) world_free(b->worlds[i]);
+    }
+    oracle_free(b->oracle);
+    free(b->rays);
+    free(b->first);
+    free(b->hits);
+    free(b->verdicts);
+    free(b->occluded);
+    free(b->faulty);
+}
+
+/* `one` is a scene of one untransformed geometry; it has to outlive the bench. */
+static bool bench_open(bench *b, const scene *one, const verify_options *o, double distance)
+{
+    *b = (bench){.o = o};
+    b->oracle = oracle_of(one->geometries);
+    b->rays = malloc(BLOCK * sizeof *b->rays);
+    b->first = malloc(BLOCK * sizeof *b->first);
+    b->hits = malloc(BLOCK * sizeof *b->hits);
+    b->verdicts = malloc(BLOCK);
+    b->occluded = malloc(BLOCK);
+    b->faulty = malloc(BLOCK);
+    bool complete = b->oracle && b->rays && b->first && b->hits && b->verdicts && b->occluded && b->faulty;
+    if (!complete) report_no_memory(one->path);
+    for (size_t i = 0; i < o->setup_count && complete; ++i) {
+        for (size_t k = 0; k < i && !b->worlds[i]; ++k)
+            if (!strcmp(o->setups[k].isa, o->setups[i].isa)) b->worlds[i] = b->worlds[k];
+        if (b->worlds[i]) continue;
+        world_options w = {.threads = o->threads, .ray_distance = distance, .build = epDefaultBuildSettings()};
+        w.build.isa = o->setups[i].isa;
+        b->worlds[i] = world_new(one, &w);
+        complete = b->worlds[i];
+    }
+    if (!complete) bench_close(b);
+    return complete;
+}
+
+static judge_verdict judge_hit(const bench *b, const trace_ray *ray, const world_hit *hit, judge_errors *errors)
+{
+    double org[3], dir[3];
+    for (int c = 0; c < 3; ++c) org[c] = ray->org[c], dir[c] = ray->dir[c];
+    oracle_root roots[ORACLE_ROOTS];
+    const size_t count = oracle_intersect(b->oracle, org, dir, ray->tnear, ray->tfar, roots);
+    const judge_answer a = {hit->t, hit->u, hit->v, hit->primID, {hit->Ng[0], hit->Ng[1], hit->Ng[2]}};
+    return judge(b->oracle, org, dir, roots, count, &a, &b->o->limits, errors);
+}
+
+static void judge_all(bench *b, const world_hit *hits, bool all, size_t count, verify_row *row)
+{
+#pragma omp parallel num_threads((int)trace_threads(b->o->threads))
+    {
+        judge_errors most = {0, 0, 0};
+#pragma omp for schedule(dynamic, 64)
+        for (size_t i = 0; i < count; ++i) {
+            judge_errors e = {0, 0, 0};
+            if (!all && !memcmp(&hits[i], &b->first[i], sizeof *hits)) continue;
+            b->verdicts[i] = (uint8_t)judge_hit(b, &b->rays[i], &hits[i], &e);
+            most.t = fmax(most.t, e.t);
+            most.place = fmax(most.place, e.place);
+            most.degrees = fmax(most.degrees, e.degrees);
+        }
+#pragma omp critical
+        {
+            row->most.t = fmax(row->most.t, most.t);
+            row->most.place = fmax(row->most.place, most.place);
+            row->most.degrees = fmax(row->most.degrees, most.degrees);
+        }
+    }
+}
+
+/* Traces and judges the block in one setup. */
+static bool run_setup(bench *b, size_t setup, size_t count, verify_row *row)
+{
+    const verify_setup *s = &b->o->setups[setup];
+    world_hit *hits = setup ? b->hits : b->first;
+    trace_options t = {.width = s->width, .threads = b->o->threads};
+    trace_result result;
+    if (!trace_rays(b->worlds[setup], b->rays, count, &t, hits, &result)) return false;
+    row->slow += result.cost.slow;
+    t.occluded = true;
+    if (!trace_rays(b->worlds[setup], b->rays, count, &t, b->occluded, &result)) return false;
+
+    judge_all(b, hits, !setup, count, row);
+    for (size_t i = 0; i < count; ++i) {
+        const bool hit = hits[i].geomID != ~0u;
+        const judge_verdict verdict = b->verdicts[i];
+        const bool disagrees = hit != b->occluded[i], differs = memcmp(&hits[i], &b->first[i], sizeof *hits);
+        ++row->rays;
+        row->hits += hit;
+        ++row->verdicts[verdict];
+        row->occluded += disagrees;
+        row->bits += differs;
+        b->faulty[i] |= verdict >= JUDGE_MISSED || disagrees || differs;
+    }
+    return true;
+}
+
+static bool keep_wrong(const bench *b, size_t count, verify_report *r)
+{
+    for (size_t i = 0; i < count; ++i) {
+        if (!b->faulty[i]) continue;
+        if (r->wrong_count == r->wrong_capacity) {
+            const size_t capacity = r->wrong_capacity ? 2 * r->wrong_capacity : 64;
+            trace_ray *more = realloc(r->wrong, capacity * sizeof *more);
+            if (!more) return report_no_memory(NULL), false;
+            r->wrong = more;
+            r->wrong_capacity = capacity;
+        }
+        r->wrong[r->wrong_count++] = b->rays[i];
+    }
+    return true;
+}
+
+static bool run_block(bench *b, size_t count, aim_kind kind, verify_report *r)
+{
+    memset(b->faulty, 0, count);
+    for (size_t k = 0; k < b->o->setup_count; ++k)
+        if (!run_setup(b, k, count, &r->rows[kind][k])) return false;
+    return keep_wrong(b, count, r);
+}
+
+static void aim_block(bench *b, aim_kind kind, uint64_t geometry, size_t first, size_t count)
+{
+#pragma omp parallel for num_threads((int)trace_threads(b->o->threads))
+    for (size_t i = 0; i < count; ++i) {
+        rng r = rng_split(b->o->seed, geometry * AIM_KINDS + kind, first + i);
+        trace_ray *ray = &b->rays[i];
+        aim(b->oracle, kind, &r, ray->org, ray->dir);
+        ray->tnear = 0;
+        ray->tfar = INFINITY;
+    }
+}
+
+/* The scene of geometry g alone. */
+static scene alone(const scene *s, size_t g, scene_object *object)
+{
+    scene one = *s;
+    *object = (scene_object){.transform = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, .identity = true};
+    one.geometries = &s->geometries[g];
+    one.geometry_count = one.object_count = 1;
+    one.objects = object;
+    return one;
+}
+
+bool verify_scene(const scene *s, const verify_options *o, verify_report *report)
+{
+    *report = (verify_report){0};
+    size_t geometries = 0;
+    for (size_t g = 0; g < s->geometry_count; ++g) geometries += s->geometries[g].patch_count > 0;
+    progress p;
+    progress_begin(&p, "verify", geometries * AIM_KINDS * (geometries ? (o->rays + geometries - 1) / geometries : 0));
+    bool done = true;
+    for (size_t g = 0; g < s->geometry_count && done; ++g) {
+        if (!s->geometries[g].patch_count) continue;
+        scene_object object;
+        const scene one = alone(s, g, &object);
+        const size_t each = (o->rays + geometries - 1) / geometries;
+        bench b;
+        if (!bench_open(&b, &one, o, 0)) return free(report->wrong), false;
+        for (aim_kind kind = 0; kind < AIM_KINDS && done; ++kind)
+            for (size_t first = 0; first < each && done; first += BLOCK) {
+                const size_t count = each - first < BLOCK ? each - first : BLOCK;
+                aim_block(&b, kind, g, first, count);
+                done = run_block(&b, count, kind, report);
+                progress_add(&p, count);
+            }
+        bench_close(&b);
+    }
+    progress_end(&p);
+    if (!done) free(report->wrong);
+    return done;
+}
+
+bool verify_rays(const scene *s, const trace_ray *rays, size_t count, const verify_options *o, verify_report *report)
+{
+    *report = (verify_report){0};
+    bool done = true;
+    for (size_t g = 0; g < s->geometry_count && done; ++g) {
+        if (!s->geometries[g].patch_count) continue;
+        scene_object object;
+        const scene one = alone(s, g, &object);
+        bench b;
+        if (!bench_open(&b, &one, o, trace_farthest_origin(rays, count))) return free(report->wrong), false;
+        for (size_t first = 0; first < count && done; first += BLOCK) {
+            const size_t n = count - first < BLOCK ? count - first : BLOCK;
+            memcpy(b.rays, rays + first, n * sizeof *rays);
+            done = run_block(&b, n, AIM_AT, report);
+        }
+        bench_close(&b);
+    }
+    if (!done) free(report->wrong);
+    return done;
+}
