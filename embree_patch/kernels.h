@@ -48,7 +48,7 @@ typedef struct ep_cells {
 } ep_cells;
 
 typedef void ep_cells_kernel(const ep_leaf *leaf, const ep_patch *patch, const float *ray, double lo, double hi,
-                             ep_cells *out, EPCounters *counters);
+                             ep_cells *out);
 
 typedef struct ep_kernels {
     const char *isa;

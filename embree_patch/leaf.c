@@ -5,9 +5,9 @@
  * In leaf coordinates the remainder of a rational piece is r = R/W with R_st = M_st N - x W and R_h = M_h N: Bézier
  * polynomials, so hulls of their coefficients, differences and second differences bound r and its derivatives over
  * the whole piece. Everything that is bounded here is of second order in the size of the piece, which is why plain
- * interval quotients are tight enough. The frame is chosen twice: from the tangents at the middle, then moved so that
- * the derivative of r is centred on zero, which makes its bound smallest; it is rounded to float before the final
- * bounds are taken, so they hold for the frame that the kernels use. */
+ * interval quotients are tight enough. The frame is tangent to the piece at the middle of its domain, where the
+ * derivative of r is therefore zero, moved so that the remainders' ranges are centred on zero, and rounded to float
+ * before the bounds are taken, so they hold for the frame that the kernels use. */
 #include "embree_patch/leaf.h"
 
 #include <string.h>
@@ -31,12 +31,12 @@ static void include(range *r, double x)
     r->hi = fmax(r->hi, x);
 }
 static double mid(range r) { return r.lo / 2 + r.hi / 2; }
+static double half(range r) { return r.hi / 2 - r.lo / 2; }
 static double mag(range r) { return fmax(-r.lo, r.hi); }
 
 /* Bounds on one remainder r_s, r_t or r_h over the piece. */
 typedef struct bounds {
-    range value, ds, dt;
-    double dss, dst, dtt; /* magnitudes */
+    range value, ds, dt, dss, dst, dtt;
 } bounds;
 
 /* The nets of (R_s, R_t, R_h, W). */
@@ -90,7 +90,7 @@ static bounds net_bounds(const rest *r, int c)
     const ep_kind *kind = r->kind;
     const unsigned m = r->m, n = r->n;
     const double fst = kind->mixed * m * n + kind->mixed_one * m;
-    bounds b = { nothing, nothing, nothing, 0, 0, 0 };
+    bounds b = { nothing, nothing, nothing, nothing, nothing, nothing };
     for (unsigned j = 0; j <= n; ++j)
         for (unsigned i = 0; i <= m; ++i) {
             const size_t at = kind->index(m, n, i, j);
@@ -102,12 +102,14 @@ static bounds net_bounds(const rest *r, int c)
             include(&b.value, p);
             if (s != SIZE_MAX) include(&b.ds, m * (r->net[s][c] - p));
             if (t != SIZE_MAX) include(&b.dt, n * (r->net[t][c] - p));
-            if (ss != SIZE_MAX)
-                b.dss = fmax(b.dss, fabs(m * (m - 1.0) * (r->net[ss][c] - 2 * r->net[s][c] + p)));
-            if (st != SIZE_MAX) b.dst = fmax(b.dst, fabs(fst * (r->net[st][c] - r->net[s][c] - r->net[t][c] + p)));
-            if (tt != SIZE_MAX)
-                b.dtt = fmax(b.dtt, fabs(n * (n - 1.0) * (r->net[tt][c] - 2 * r->net[t][c] + p)));
+            if (ss != SIZE_MAX) include(&b.dss, m * (m - 1.0) * (r->net[ss][c] - 2 * r->net[s][c] + p));
+            if (st != SIZE_MAX) include(&b.dst, fst * (r->net[st][c] - r->net[s][c] - r->net[t][c] + p));
+            if (tt != SIZE_MAX) include(&b.dtt, n * (n - 1.0) * (r->net[tt][c] - 2 * r->net[t][c] + p));
         }
+    /* a degree of one has no second difference: the derivative is zero */
+    if (m == 1) include(&b.dss, 0);
+    if (n == 1) include(&b.dtt, 0);
+    if (!(b.dst.lo <= b.dst.hi)) include(&b.dst, 0);
     return b;
 }
 
@@ -132,9 +134,9 @@ static void remainder_bounds(const rest *r, bool rational, bounds b[3])
         q.ds = divide(b[c].ds, w.value, v * ws / w0);
         q.dt = divide(b[c].dt, w.value, v * wt / w0);
         const double vs = mag(q.ds), vt = mag(q.dt);
-        q.dss = (b[c].dss + 2 * vs * ws + v * w.dss) / w0;
-        q.dst = (b[c].dst + vs * wt + vt * ws + v * w.dst) / w0;
-        q.dtt = (b[c].dtt + 2 * vt * wt + v * w.dtt) / w0;
+        q.dss = divide(b[c].dss, w.value, (2 * vs * ws + v * mag(w.dss)) / w0);
+        q.dst = divide(b[c].dst, w.value, (vs * wt + vt * ws + v * mag(w.dst)) / w0);
+        q.dtt = divide(b[c].dtt, w.value, (2 * vt * wt + v * mag(w.dtt)) / w0);
         b[c] = q;
     }
 }
@@ -151,25 +153,6 @@ static bool tangent_frame(const ep_frame *at, const double middle[2], frame *f)
     f->row[1] = ep_scale(1 / area, ep_cross(unit, at->pu));
     f->row[2] = ep_scale(1 / sqrt(area), unit); /* heights in units of the piece's width */
     for (int c = 0; c < 3; ++c) f->offset[c] = (c < 2 ? middle[c] : 0) - ep_dot(f->row[c], at->p);
-    return true;
-}
-
-/* Moves the frame so that the mean tangents in its coordinates are (1,0,0) and (0,1,0), and the remainders have their
- * middle at 0. */
-static bool centre_frame(const bounds b[3], frame *f)
-{
-    const double j00 = 1 + mid(b[0].ds), j01 = mid(b[0].dt), j10 = mid(b[1].ds), j11 = 1 + mid(b[1].dt);
-    const double det = j00 * j11 - j01 * j10;
-    if (!(fabs(det) > 0x1p-10)) return false;
-    const frame g = *f;
-    const double i00 = j11 / det, i01 = -j01 / det, i10 = -j10 / det, i11 = j00 / det;
-    const double gs = mid(b[2].ds), gt = mid(b[2].dt);
-    f->row[0] = ep_add(ep_scale(i00, g.row[0]), ep_scale(i01, g.row[1]));
-    f->row[1] = ep_add(ep_scale(i10, g.row[0]), ep_scale(i11, g.row[1]));
-    f->row[2] = ep_sub(g.row[2], ep_add(ep_scale(gs, f->row[0]), ep_scale(gt, f->row[1])));
-    f->offset[0] = i00 * g.offset[0] + i01 * g.offset[1];
-    f->offset[1] = i10 * g.offset[0] + i11 * g.offset[1];
-    f->offset[2] = g.offset[2] - gs * f->offset[0] - gt * f->offset[1];
     return true;
 }
 
@@ -250,6 +233,35 @@ static void rounding(const ep_patch *p, const ep_domain *d, const frame *f, doub
     leaf->height = ep_round_up(leaf->height + 8 * EP_EPS_F * fabs(f->offset[2]) + n_h * low);
 }
 
+/* The quadratic with r's value at the middle of the domain, no slope there, and the middle of the range of each second
+ * derivative. By Taylor's theorem with integral remainder about the middle x0, |r - model| <= |Dr(x0)| |x - x0| +
+ * (half range of r_ss) (s-s0)²/2 + (of r_st) |s-s0||t-t0| + (of r_tt) (t-t0)²/2; Dr(x0) is the frame's rounding. */
+static void model(const ep_kind *kind, const ep_frame *at, const frame *f, const bounds b[3], ep_leaf *leaf)
+{
+    double error[3];
+    for (int c = 0; c < 3; ++c) {
+        const double middle = c < 2 ? kind->centre[c] : 0;
+        leaf->model[0][c] = (float)(ep_dot(f->row[c], at->p) + f->offset[c] - middle);
+        leaf->model[1][c] = (float)mid(b[c].dss);
+        leaf->model[2][c] = (float)mid(b[c].dst);
+        leaf->model[3][c] = (float)mid(b[c].dtt);
+        const double ds = fabs(ep_dot(f->row[c], at->pu) - (c == 0)), dt = fabs(ep_dot(f->row[c], at->pv) - (c == 1));
+        error[c] = ds + dt + half(b[c].dss) * kind->square / 2 + half(b[c].dst) * kind->product +
+                   half(b[c].dtt) * kind->square / 2;
+        /* and what the kernels' arithmetic adds to a handful of terms below this */
+        error[c] += 16 * EP_EPS_F * (1 + mag(b[c].dss) + mag(b[c].dst) + mag(b[c].dtt));
+    }
+    leaf->model_st = ep_round_up(fmax(error[0], error[1]));
+    leaf->model_h = ep_round_up(error[2]);
+}
+
+/* For the frame's matrix M, M a x M b = det M M^-T (a x b); and S_s x S_t = (uu vv - uv vu) S_u x S_v. */
+static void volume(const ep_domain *d, const frame *f, ep_leaf *leaf)
+{
+    const double det = ep_dot(f->row[0], ep_cross(f->row[1], f->row[2]));
+    leaf->volume = (float)(1 / (det * (d->uu * d->vv - d->uv * d->vu)));
+}
+
 void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, bool tighten, ep_leaf *leaf,
                  ep_fit_info *info)
 {
@@ -286,12 +298,6 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, b
         return;
     }
     make_remainder(kind, m, n, rational, q, &f, &r);
-    remainder_bounds(&r, rational, b);
-    if (!centre_frame(b, &f)) {
-        irregular(leaf, info);
-        return;
-    }
-    make_remainder(kind, m, n, rational, q, &f, &r);
     for (int c = 0; c < 3; ++c) f.offset[c] -= mid(quotient_range(r.net, kind->point_count(r.m, r.n), c));
     round_frame(&f, leaf->frame);
     make_remainder(kind, m, n, rational, q, &f, &r);
@@ -310,9 +316,9 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, b
         }
     }
 
-    leaf->bend_s = ep_round_up(b[0].dss + 2 * b[0].dst + b[0].dtt);
-    leaf->bend_t = ep_round_up(b[1].dss + 2 * b[1].dst + b[1].dtt);
-    leaf->bend_h = ep_round_up(b[2].dss + 2 * b[2].dst + b[2].dtt);
+    leaf->bend_s = ep_round_up(mag(b[0].dss) + 2 * mag(b[0].dst) + mag(b[0].dtt));
+    leaf->bend_t = ep_round_up(mag(b[1].dss) + 2 * mag(b[1].dst) + mag(b[1].dtt));
+    leaf->bend_h = ep_round_up(mag(b[2].dss) + 2 * mag(b[2].dst) + mag(b[2].dtt));
     leaf->side_s = ep_round_up(mag(value[0]));
     leaf->side_t = ep_round_up(mag(value[1]));
     leaf->height = ep_round_up(mag(value[2]));
@@ -322,12 +328,14 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, b
     info->thickness = 2 * mag(value[2]);
     info->distortion = fmax(mag(b[0].ds) + mag(b[0].dt), mag(b[1].ds) + mag(b[1].dt));
     leaf->stretch = ep_round_up(info->distortion);
+    model(kind, &at, &f, b, leaf);
+    volume(d, &f, leaf);
     rounding(p, d, &f, w_min, leaf);
 
     /* Halving the first side quarters what r'' in s adds to the height, and halves what it adds to E. The mixed term of
      * r_t behaves like that too, while that of r_s, a fan, does not care how wide it is and asks for the other side.
      * Twist and a little of everything goes by length, so that pieces stay square. */
-    const double longer = fmax(info->turn[0], info->turn[1]), square = b[2].dst + 0x1p-10;
-    info->turn[0] = b[2].dss + b[0].dss + b[1].dss + b[1].dst + square * info->turn[0] / longer;
-    info->turn[1] = b[2].dtt + b[0].dtt + b[1].dtt + b[0].dst + square * info->turn[1] / longer;
+    const double longer = fmax(info->turn[0], info->turn[1]), square = mag(b[2].dst) + 0x1p-10;
+    info->turn[0] = mag(b[2].dss) + mag(b[0].dss) + mag(b[1].dss) + mag(b[1].dst) + square * info->turn[0] / longer;
+    info->turn[1] = mag(b[2].dtt) + mag(b[0].dtt) + mag(b[1].dtt) + mag(b[0].dst) + square * info->turn[1] / longer;
 }

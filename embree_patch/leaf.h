@@ -13,12 +13,14 @@
  *
  *     F(x) = x - x0 + r_st(x) - p r_h(x),     so it is in Q: in D, and within side + |p| height of x0.
  *
- * The rows of DF have the Lipschitz constants L_s = bend_s + |p_s| bend_h and L_t = bend_t + |p_t| bend_h over D, in
- * the maximum norm. Take y in D with J = DF(y), its Newton point c = y - J^-1 F(y), and a root x* in D with
- * |x* - y| <= e. The mean A of DF along the segment from y to x* has F(y) = -A (x* - y), so
+ * With DF = I + R - p g^T, two of its values over D differ in R by at most (bend_s, bend_t) times the distance, row by
+ * row, and in g by bend_h times it, in the maximum norm. Take y in D with J = DF(y), its Newton point
+ * c = y - J^-1 F(y), and a root x* in D with |x* - y| <= e. The mean A of DF along the segment from y to x* has
+ * F(y) = -A (x* - y), so
  *
- *     x* - c = J^-1 (J - A) (x* - y),   |x* - c| <= G e² / 2,   G = the larger row of |J^-1| (L_s, L_t)^T,
+ *     x* - c = J^-1 (J - A) (x* - y),   |x* - c| <= G e² / 2,   G = max over rows of |J^-1| (bend_s, bend_t)^T + |q| bend_h
  *
+ * with q = J^-1 p, which stays of the order of 1/|g| however long p gets,
  * because A deviates from J by half of what DF does over the segment. Three conclusions, none of which counts steps:
  *
  *   (1) All roots in Q are within b = G e²/2 of c, with e the radius of Q about y. If c is farther than that outside
@@ -26,6 +28,10 @@
  *   (2) If G e <= 1, DF = J (I + E) with |E| < 1 throughout Q: F is injective there, the root is unique, and
  *       |x* - y| <= |c - y| + G e |x* - y| / 2 gives |x* - y| <= 2 |c - y|, which is usually much less than e.
  *   (3) When b falls below the rounding error of F, c is the root.
+ *
+ * The first y need not be x0: the quadratic `model` of r makes F's zero a step of a few dozen operations away, and the
+ * same three conclusions hold for that step with the model's error in place of rounding. One evaluation of the surface
+ * then usually ends in (3).
  *
  * Where b is not smaller than e the ray is nearly tangent to the leaf and solve.c subdivides. The test uses the
  * tangents where the ray is, not their range over the leaf, and the part of the leaf that the ray can touch: with a
@@ -37,21 +43,24 @@
 
 #include <stdalign.h>
 
-/* Two cache lines, read once per visit; written by build.c, constant afterwards. Lengths are in leaf coordinates
+/* Three cache lines, read once per visit; written by build.c, constant afterwards. Lengths are in leaf coordinates
  * unless said otherwise, and every bound includes the rounding of the frame itself to float. */
 typedef struct ep_leaf {
     alignas(64) float frame[4][3]; /* columns for x, y, z (relative to the patch's centre) and 1; rows s, t, h     */
-    float domain[6];           /* u0, v0, uu, vv, uv, vu of ep_domain                                             */
     float height;              /* half the prism's thickness                                                      */
     float side_s, side_t;      /* how far the prism reaches beyond the domain                                     */
-    float bend_s, bend_t, bend_h; /* Lipschitz constants of the derivatives of r; infinity: always subdivide      */
-    float noise_st, noise_h;   /* rounding error of F is at most noise_st + |p| noise_h                           */
     float reach_st, reach_h;   /* rounding error of M(o) per unit of |o|, |.| the sum norm: 8 eps |row of M|       */
+    float model[4][3];         /* r at the middle of D, and r_ss, r_st, r_tt there; each for s, t, h               */
+    float model_st, model_h;   /* how far r may be from that quadratic                                            */
+    float bend_s, bend_t, bend_h; /* Lipschitz constants of the derivatives of r; infinity: always subdivide      */
+    float noise_st, noise_h;   /* rounding errors of F: of its rows, and of the height that p multiplies          */
     float stretch;             /* |r_st(x) - r_st(y)| <= stretch |x - y|                                           */
+    float domain[6];           /* u0, v0, uu, vv, uv, vu of ep_domain                                             */
+    float volume;              /* S_u x S_v = volume * frame^T (S_s x S_t in leaf coordinates)                    */
     uint32_t patch;            /* index of the patch                                                              */
     uint32_t depth;            /* halvings of the domain                                                          */
 } ep_leaf;
-_Static_assert(sizeof(ep_leaf) == 128, "a leaf is two cache lines");
+_Static_assert(sizeof(ep_leaf) == 192, "a leaf is three cache lines");
 
 /* The box of a leaf in the geometry's space, rounded outwards and padded: what Embree sees. */
 typedef struct ep_box {

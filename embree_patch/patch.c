@@ -132,9 +132,9 @@ static unsigned tri_split(const ep_domain *d, unsigned along, ep_domain part[4])
 
 const ep_kind ep_kinds[2] = {
     [EP_KIND_TENSOR] = { "tensor", tensor_point_count, tensor_block_count, ep_tensor_eval, tensor_restrict,
-                         tensor_pack, tensor_split, tensor_index, tensor_raise, 1, 0, { 0.5, 0.5 } },
+                         tensor_pack, tensor_split, tensor_index, tensor_raise, 1, 0, { 0.5, 0.5 }, 1.0 / 4, 1.0 / 4 },
     [EP_KIND_TRIANGLE] = { "triangle", tri_point_count, tri_block_count, tri_eval, tri_restrict, tri_pack, tri_split,
-                           tri_index, tri_raise, 1, -1, { 1.0 / 3, 1.0 / 3 } },
+                           tri_index, tri_raise, 1, -1, { 1.0 / 3, 1.0 / 3 }, 4.0 / 9, 2.0 / 9 },
 };
 
 static ep_vec3 quotient(const ep_point n, double w) { return ep_v3(n[0] / w, n[1] / w, n[2] / w); }

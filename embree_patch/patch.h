@@ -60,6 +60,7 @@ typedef struct ep_kind {
     double mixed;     /* d²/dsdt of a net is its mixed difference times this times m n ... */
     double mixed_one; /* ... plus this times m                                             */
     double centre[2]; /* of the unit domain                                                */
+    double square, product; /* largest (s - centre)², |(s - centre) (t - centre)| over it     */
 } ep_kind;
 
 extern const ep_kind ep_kinds[2]; /* by ep_kind_id */

@@ -11,6 +11,8 @@
 /* The picture is this much wider than its contents, in each direction. */
 #define FRAMING_MARGIN 1.12
 #define FRAMING_FOV 35.0
+/* The eye is at least so many times its rounding error away from the target. */
+#define ROUNDINGS 256
 
 static double dot(const double a[3], const double b[3])
 {
@@ -61,7 +63,10 @@ static vec3 to_float(const double a[3])
 bool view_of_camera(view *v, const camera *c, unsigned width, unsigned height)
 {
     double sight[3], r[3], u[3], f[3];
-    for (int k = 0; k < 3; ++k) sight[k] = c->target[k] - c->eye[k];
+    v->eye = to_float(c->eye); /* where rays will start: look from there */
+    sight[0] = c->target[0] - (double)v->eye.x;
+    sight[1] = c->target[1] - (double)v->eye.y;
+    sight[2] = c->target[2] - (double)v->eye.z;
     if (!frame(sight, c->up, r, u, f)) return false;
 
     double step = 2 * tan(c->fov * PI / 360) / height;
@@ -70,7 +75,6 @@ bool view_of_camera(view *v, const camera *c, unsigned width, unsigned height)
         v->step_y[k] = -step * u[k];
         v->origin[k] = f[k] - 0.5 * width * v->step_x[k] - 0.5 * height * v->step_y[k];
     }
-    v->eye = to_float(c->eye);
     v->right = to_float(r);
     v->up = to_float(u);
     v->forward = to_float(f);
@@ -121,10 +125,18 @@ camera camera_framing(const double (*points)[3], size_t count, unsigned up, unsi
     }
     double ez = fmin((least[0] - most[0]) / (2 * t[0]), (least[1] - most[1]) / (2 * t[1]));
     if (!(ez < near)) ez = near - fmax(1, fabs(near)); /* a single point */
-    double e[2] = {0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1])}, depth = 0.5 * (near + far);
+    double e[2] = {0.5 * (least[0] + most[0]), 0.5 * (least[1] + most[1])}, depth = 0.5 * (near + far), largest = 0;
     for (int k = 0; k < 3; ++k) {
-        c.eye[k] = e[0] * r[k] + e[1] * u[k] + ez * f[k];
-        c.target[k] = c.eye[k] + (depth - ez) * f[k];
+        c.target[k] = e[0] * r[k] + e[1] * u[k] + depth * f[k];
+        largest = fmax(largest, fabs(c.target[k]));
     }
+    /* Rays start at floats. A small thing far from the origin is seen from so far away, through a longer lens, that
+     * rounding the eye is no matter. */
+    double distance = depth - ez, least_distance = largest * 0x1p-23 * ROUNDINGS;
+    if (distance < least_distance) {
+        c.fov = atan(tan(c.fov * PI / 360) * distance / least_distance) * 360 / PI;
+        distance = least_distance;
+    }
+    for (int k = 0; k < 3; ++k) c.eye[k] = c.target[k] - distance * f[k];
     return c;
 }

@@ -84,7 +84,7 @@ static bool run(const verify_command *c)
 
 int cmd_verify(int argc, char **argv)
 {
-    verify_command c = {.isa = "all", .width = ARG_COUNT(widths), .o = {.rays = 20000, .seed = 1, .limits = judge_usual}};
+    verify_command c = {.isa = "all", .width = ARG_COUNT(widths), .o = {.rays = 20000, .seed = 1, .limits = judge_usual, .explain = 5}};
     unsigned rays = 20000, seed = 1;
     const arg_option options[] = {
         ARG_UNSIGNED("--rays", "N", &rays, 1, 1u << 30, "rays of each kind (20000)"),
@@ -93,6 +93,7 @@ int cmd_verify(int argc, char **argv)
         ARG_STRING("--isa", "all|plain|avx2|avx512", &c.isa, "instruction sets of the kernels (all that run here)"),
         ARG_STRING("--replay", "FILE", &c.replay, "these rays, as `trace` reads them, instead of random ones"),
         ARG_STRING("--save", "FILE", &c.save, "write the rays that went wrong, as `trace` reads them"),
+        ARG_UNSIGNED("--explain", "N", &c.o.explain, 0, ~0u, "print so many of the faults of a geometry (5)"),
         ARG_UNSIGNED("--threads", "N", &c.o.threads, 0, 1024, "at most so many threads; 0: all (0)"),
     };
     const arg_table table = {

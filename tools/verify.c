@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,7 @@ typedef struct bench {
     trace_ray *rays;
     world_hit *first, *hits;
     uint8_t *verdicts, *occluded, *faulty;
+    unsigned explained;
 } bench;
 
 size_t verify_faults(const verify_row *row)
@@ -119,6 +121,26 @@ static void judge_all(bench *b, const world_hit *hits, bool all, size_t count, v
     }
 }
 
+/* Everything that is needed to see what went wrong with ray i, and to trace it again. */
+static void explain(const bench *b, size_t i, const verify_setup *s, const world_hit *hit, const char *what)
+{
+    const trace_ray *ray = &b->rays[i];
+    double org[3], dir[3];
+    for (int c = 0; c < 3; ++c) org[c] = ray->org[c], dir[c] = ray->dir[c];
+    oracle_root roots[ORACLE_ROOTS];
+    const size_t count = oracle_intersect(b->oracle, org, dir, ray->tnear, ray->tfar, roots);
+    printf("%s, width %u, %s: org %.9g %.9g %.9g dir %.9g %.9g %.9g in (%.9g, %.9g)\n", what, s->width, s->isa,
+           ray->org[0], ray->org[1], ray->org[2], ray->dir[0], ray->dir[1], ray->dir[2], ray->tnear, ray->tfar);
+    printf("    answer       t %-18.9g patch %d u %.9g v %.9g Ng %.6g %.6g %.6g\n", hit->t, (int)hit->primID, hit->u,
+           hit->v, hit->Ng[0], hit->Ng[1], hit->Ng[2]);
+    for (size_t k = 0; k < count && k < 6; ++k) {
+        const oracle_root *r = &roots[k];
+        printf("    %-12s t %-18.12g patch %u u %.12g v %.12g Ng %.6g %.6g %.6g cosine %.2g border %.2g\n",
+               r->doubtful ? "perhaps" : "root", r->t_low, r->patch, r->u, r->v, r->normal[0], r->normal[1],
+               r->normal[2], r->cosine, r->border);
+    }
+}
+
 /* Traces and judges the block in one setup. */
 static bool run_setup(bench *b, size_t setup, size_t count, verify_row *row)
 {
@@ -141,7 +163,11 @@ static bool run_setup(bench *b, size_t setup, size_t count, verify_row *row)
         ++row->verdicts[verdict];
         row->occluded += disagrees;
         row->bits += differs;
-        b->faulty[i] |= verdict >= JUDGE_MISSED || disagrees || differs;
+        if (!(verdict >= JUDGE_MISSED || disagrees || differs)) continue;
+        b->faulty[i] = 1;
+        if (++b->explained > b->o->explain) continue;
+        explain(b, i, s, &hits[i],
+                verdict >= JUDGE_MISSED ? judge_names[verdict] : disagrees ? "occlusion disagrees" : "other bits");
     }
     return true;
 }

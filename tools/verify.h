@@ -32,6 +32,7 @@ typedef struct verify_options {
     verify_setup setups[VERIFY_SETUPS];
     size_t setup_count;
     judge_limits limits;
+    unsigned explain; /* so many faults of each geometry are printed to standard output */
 } verify_options;
 
 typedef struct verify_report {

@@ -12,7 +12,7 @@
  * stretch times y's own distance of the root. Twice that, and what is left is mostly the cell. */
 
 EP_INLINE void w_cells(const ep_leaf *leaf, const ep_patch *patch, const float *ray, double lo, double hi, ep_cells *out,
-                       EPCounters *counters, int triangle, unsigned m, unsigned n, int rational)
+                       int triangle, unsigned m, unsigned n, int rational)
 {
     const double length = (hi - lo) / EP_PACKET;
     const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
@@ -36,33 +36,27 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const ep_patch *patch, const float *
         v.inverse = one / d.z;
         v.p_s = d.x * v.inverse;
         v.p_t = d.y * v.inverse;
-        const w_f p_s = w_abs(v.p_s), p_t = w_abs(v.p_t);
-        v.bend_s = w_fma(w_set(leaf->bend_h), p_s, w_set(leaf->bend_s));
-        v.bend_t = w_fma(w_set(leaf->bend_h), p_t, w_set(leaf->bend_t));
-        v.noise = w_fma(w_set(leaf->noise_h), w_max(p_s, p_t), w_set(leaf->noise_st));
         v.s = o.x + w_set(leaf->frame[3][0]);
         v.t = o.y + w_set(leaf->frame[3][1]);
         const w_f way = w_max(w_abs(d.x), w_abs(d.y)) * w_set(half);
         v.radius = w_set(triangle ? 2.0f : 1.0f) * (way + w_set(fmaxf(leaf->side_s, leaf->side_t) + leaf->noise_st));
         w_clamp(triangle, &v.s, &v.t);
-        w_4 su, sv;
         const w_f twice = w_set(triangle ? 2.0f : 1.0f);
         for (int k = 0; k < 2 && leaf->stretch < 0.5f; ++k) {
-            const w_jet j = w_jet_at(leaf, patch, triangle, m, n, rational, v.s, v.t, moved, &su, &sv);
+            const w_jet j = w_jet_at(leaf, patch, triangle, m, n, rational, v.s, v.t, moved);
             v.s = v.s - j.at.x;
             v.t = v.t - j.at.y;
             w_clamp(triangle, &v.s, &v.t);
             v.radius = twice * w_fma(w_set(leaf->stretch), v.radius, way + w_set(2.0f * leaf->noise_st));
         }
-        v.live = w_le(zero, v.radius); /* all, unless NaN */
+        v.live = w_and(w_le(zero, v.radius), w_lt(w_max(w_abs(v.p_s), w_abs(v.p_t)), w_set(EP_STEEP)));
         v.slow = w_andnot(w_mask(~0u), v.live);
 
         uint32_t live = w_bits(v.live), hit = 0;
         w_f s_root = v.s, t_root = v.t, t_hit = zero, radius = zero, ng[3] = { zero, zero, zero };
         while (live) {
-            const w_jet jet = w_jet_at(leaf, patch, triangle, m, n, rational, v.s, v.t, moved, &su, &sv);
-            counters->evaluations += (unsigned)__builtin_popcount(live);
-            const w_step step = w_advance(&v, triangle, &jet);
+            const w_jet jet = w_jet_at(leaf, patch, triangle, m, n, rational, v.s, v.t, moved);
+            const w_step step = w_advance(leaf, &v, triangle, &jet);
             const w_f t = v.t_plane + step.distance;
             const w_m found = w_and(step.hit, w_and(w_lt(w_set(tnear), t), w_lt(t, w_set(tfar))));
             hit |= w_bits(found);
@@ -70,7 +64,9 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const ep_patch *patch, const float *
             t_root = w_select(found, step.t, t_root);
             t_hit = w_select(found, t, t_hit);
             radius = w_select(found, v.radius, radius);
-            w_normal(&su, &sv, found, ng);
+            w_f n_root[3];
+            w_normal(leaf, &jet, &step, n_root);
+            for (int c = 0; c < 3; ++c) ng[c] = w_select(found, n_root[c], ng[c]);
             live = w_bits(v.live);
         }
         out->hit |= hit << base;

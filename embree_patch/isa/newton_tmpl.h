@@ -5,10 +5,15 @@
  * Included twice per instruction set, with X(name) giving w_name (one ray a lane) and s_name (one ray): the packet and
  * the single-ray kernel share this text, and so their bits. */
 
-/* A hit is taken once its point is within this of where the tangents were evaluated, in leaf coordinates, so that Ng is
- * right to 2^-10 of what the normal turns over a leaf; the point itself is then right to rounding. */
+/* A hit is taken once its point is within this of where the tangents were evaluated, in leaf coordinates. The point is
+ * then right to rounding; the tangents, carried over by the model's second derivatives, to 2^-8 of those' range. */
 #ifndef EP_NEAR
-#define EP_NEAR 0x1p-10f
+#define EP_NEAR 0x1p-8f
+#endif
+
+/* A ray so nearly parallel to the leaf's plane that 1 / h(d) is mostly rounding. */
+#ifndef EP_STEEP
+#define EP_STEEP 0x1p12f
 #endif
 
 /* Vectors of three, one component a register. */
@@ -21,8 +26,8 @@ typedef struct X(visit) {
     X(f) p_s, p_t;      /* leaf.h: motion along the leaf per unit of height */
     X(f) inverse;       /* 1 / (direction's height)                         */
     X(f) t_plane;       /* where the ray meets the leaf's plane             */
-    X(f) bend_s, bend_t; /* Lipschitz constants of the rows of DF            */
-    X(f) noise;         /* rounding error of F                              */
+    X(f) plane_s, plane_t;         /* where it does                           */
+    X(f) rounding_st, rounding_h;  /* of that                                 */
     X(f) s, t;          /* where to evaluate next                           */
     X(f) radius;        /* all roots are within this of it                  */
     X(m) live;          /* neither certified to miss nor slow               */
@@ -35,8 +40,10 @@ typedef struct X(jet) {
 } X(jet);
 
 typedef struct X(step) {
-    X(m) hit;
-    X(f) s, t, distance; /* the root, and its t relative to the moved origin */
+    X(f) s, t, step_s, step_t, length; /* the Newton point, and the way there         */
+    X(f) noise, bound, radius;         /* where the roots are about it                */
+    X(m) unique, miss, shrinks, hit;
+    X(f) distance;                     /* the root's t relative to the moved origin   */
 } X(step);
 
 /* The nearest point of the domain, or close to it. */
@@ -55,6 +62,71 @@ static inline void X(clamp)(int triangle, X(f) *s, X(f) *t)
     }
 }
 
+/* The Newton point of (v->s, v->t), whose jet is `j`, and what follows from it when F is known to within `noise_st` in
+ * its rows and `noise_h` in the height. */
+static inline __attribute__((always_inline)) X(step) X(newton)(const ep_leaf *leaf, const X(visit) *v, int triangle,
+                                                               const X(jet) *j, X(f) noise_st, X(f) noise_h)
+{
+    X(step) r;
+    const X(f) one = X(set)(1.0f);
+    const X(f) f_s = X(fnma)(v->p_s, j->at.z, j->at.x), f_t = X(fnma)(v->p_t, j->at.z, j->at.y);
+    const X(f) ss = X(fnma)(v->p_s, j->ds.z, j->ds.x), st = X(fnma)(v->p_s, j->dt.z, j->dt.x);
+    const X(f) ts = X(fnma)(v->p_t, j->ds.z, j->ds.y), tt = X(fnma)(v->p_t, j->dt.z, j->dt.y);
+    const X(f) inverse = one / X(fnma)(st, ts, ss * tt);
+    r.step_s = X(fnma)(tt, f_s, st * f_t) * inverse;
+    r.step_t = X(fnma)(ss, f_t, ts * f_s) * inverse;
+    r.s = v->s + r.step_s;
+    r.t = v->t + r.step_t;
+
+    const X(f) i = X(abs)(inverse), i_ss = X(abs)(tt) * i, i_st = X(abs)(st) * i, i_ts = X(abs)(ts) * i,
+               i_tt = X(abs)(ss) * i;
+    const X(f) q_s = X(abs)(X(fnma)(st, v->p_t, tt * v->p_s)) * i, q_t = X(abs)(X(fnma)(ts, v->p_s, ss * v->p_t)) * i;
+    const X(f) bend_s = X(set)(leaf->bend_s), bend_t = X(set)(leaf->bend_t), bend_h = X(set)(leaf->bend_h);
+    const X(f) bend = X(max)(X(fma)(q_s, bend_h, X(fma)(i_ss, bend_s, i_st * bend_t)),
+                             X(fma)(q_t, bend_h, X(fma)(i_ts, bend_s, i_tt * bend_t)));
+    r.noise = X(max)(X(fma)(q_s, noise_h, (i_ss + i_st) * noise_st), X(fma)(q_t, noise_h, (i_ts + i_tt) * noise_st));
+    r.length = X(max)(X(abs)(r.step_s), X(abs)(r.step_t));
+    const X(f) twice = X(set)(2.0f) * (r.length + r.noise);
+    r.unique = X(le)(bend * v->radius, one);
+    const X(f) error = X(select)(r.unique, X(min)(v->radius, twice), v->radius);
+    r.bound = (bend * X(set)(0.5f)) * (error * error);
+    const X(f) outside = triangle ? X(max)(X(max)(-r.s, -r.t), (r.s + r.t) - one)
+                                  : X(max)(X(max)(-r.s, -r.t), X(max)(r.s, r.t) - one);
+    const X(f) margin = X(fma)(X(set)(4.0f), r.noise, r.bound);
+    /* errors add up in s + t, and in clamping to the triangle */
+    r.radius = triangle ? margin + margin : margin;
+    /* no root in D, or none in the neighbourhood */
+    r.miss = X(or)(X(lt)(r.radius, outside), X(lt)(v->radius + margin, r.length));
+    r.shrinks = X(lt)(r.radius, X(set)(0.75f) * v->radius);
+    return r;
+}
+
+/* From the plane's start to the zero of the leaf's quadratic model, where that is certain to be nearer. */
+static inline void X(start)(const ep_leaf *leaf, X(visit) *v, int triangle)
+{
+    const X(f) ds = v->s - X(set)(triangle ? 1.0f / 3 : 0.5f), dt = v->t - X(set)(triangle ? 1.0f / 3 : 0.5f);
+    const X(f) half_ss = X(set)(0.5f) * (ds * ds), both = ds * dt, half_tt = X(set)(0.5f) * (dt * dt);
+    X(f) at[3], s[3], t[3];
+    for (int c = 0; c < 3; ++c) {
+        const X(f) ss = X(set)(leaf->model[1][c]), st = X(set)(leaf->model[2][c]), tt = X(set)(leaf->model[3][c]);
+        at[c] = X(fma)(tt, half_tt, X(fma)(st, both, X(fma)(ss, half_ss, X(set)(leaf->model[0][c]))));
+        s[c] = X(fma)(st, dt, ss * ds);
+        t[c] = X(fma)(tt, dt, st * ds);
+    }
+    const X(f) one = X(set)(1.0f);
+    const X(jet) j = { { at[0] + (v->s - v->plane_s), at[1] + (v->t - v->plane_t), at[2] },
+                       { s[0] + one, s[1], s[2] },
+                       { t[0], t[1] + one, t[2] } };
+    const X(step) r = X(newton)(leaf, v, triangle, &j, X(set)(leaf->model_st) + v->rounding_st,
+                                X(set)(leaf->model_h) + v->rounding_h);
+    X(f) to_s = r.s, to_t = r.t;
+    X(clamp)(triangle, &to_s, &to_t);
+    v->live = X(andnot)(v->live, r.miss);
+    v->s = X(select)(r.shrinks, to_s, v->s);
+    v->t = X(select)(r.shrinks, to_t, v->t);
+    v->radius = X(select)(r.shrinks, r.radius, v->radius);
+}
+
 /* `o`, `d`: origin relative to the patch's centre (rounded) and direction, in leaf coordinates (o with, d without the
  * frame's offset). `o_sum`, `d_sum`: their sum norms in space. */
 static inline X(visit) X(enter)(const ep_leaf *leaf, int triangle, X(3) o, X(3) d, X(f) o_sum, X(f) d_sum, X(f) tnear,
@@ -66,15 +138,17 @@ static inline X(visit) X(enter)(const ep_leaf *leaf, int triangle, X(3) o, X(3) 
     v.t_plane = -o.z * v.inverse;
     v.p_s = d.x * v.inverse;
     v.p_t = d.y * v.inverse;
-    v.s = X(fma)(v.t_plane, d.x, o.x);
-    v.t = X(fma)(v.t_plane, d.y, o.y);
+    v.s = v.plane_s = X(fma)(v.t_plane, d.x, o.x);
+    v.t = v.plane_t = X(fma)(v.t_plane, d.y, o.y);
 
     /* the prism, and what rounding adds to it: a root is within reach_s, reach_t of (s, t) */
     const X(f) scale = X(fma)(X(abs)(v.t_plane), d_sum, o_sum);
-    const X(f) height = X(fma)(X(set)(leaf->reach_h), scale, X(set)(leaf->height));
+    v.rounding_st = X(set)(leaf->reach_st) * scale;
+    v.rounding_h = X(set)(leaf->reach_h) * scale;
+    const X(f) height = X(set)(leaf->height) + v.rounding_h;
     const X(f) p_s = X(abs)(v.p_s), p_t = X(abs)(v.p_t), p = X(max)(p_s, p_t);
-    const X(f) reach_s = X(fma)(p_s, height, X(fma)(X(set)(leaf->reach_st), scale, X(set)(leaf->side_s)));
-    const X(f) reach_t = X(fma)(p_t, height, X(fma)(X(set)(leaf->reach_st), scale, X(set)(leaf->side_t)));
+    const X(f) reach_s = X(fma)(p_s, height, X(set)(leaf->side_s) + v.rounding_st);
+    const X(f) reach_t = X(fma)(p_t, height, X(set)(leaf->side_t) + v.rounding_st);
     const X(f) reach = X(abs)(v.inverse) * height;
     X(m) out = X(or)(X(lt)(v.s + reach_s, zero), X(lt)(v.t + reach_t, zero));
     if (triangle) {
@@ -87,60 +161,51 @@ static inline X(visit) X(enter)(const ep_leaf *leaf, int triangle, X(3) o, X(3) 
     out = X(or)(out, X(lt)(v.t_plane + reach, tnear));
     const X(m) in = X(andnot)(active, out); /* a NaN is never out */
 
-    v.bend_s = X(fma)(X(set)(leaf->bend_h), p_s, X(set)(leaf->bend_s));
-    v.bend_t = X(fma)(X(set)(leaf->bend_h), p_t, X(set)(leaf->bend_t));
-    v.noise = X(fma)(X(set)(leaf->noise_h), p, X(set)(leaf->noise_st));
     /* Clamping to a rectangle never moves away from a point in it; to the triangle, by at most as much again. */
     v.radius = X(min)(X(set)(triangle ? 2.0f : 1.0f) * X(max)(reach_s, reach_t), one);
 
-    v.live = X(and)(in, X(lt)(v.noise, one));
+    v.live = X(and)(in, X(lt)(p, X(set)(EP_STEEP)));
     v.slow = X(andnot)(in, v.live);
     X(clamp)(triangle, &v.s, &v.t);
+    X(start)(leaf, &v, triangle);
     return v;
 }
 
-/* One Newton step from (v->s, v->t), whose jet is `j`. Lanes that it decides leave v->live. */
-static inline X(step) X(advance)(X(visit) *v, int triangle, const X(jet) *j)
+/* One step with the surface's own jet. Lanes that it decides leave v->live; `hit` are those with a root, at (s, t) and
+ * `distance` along the ray from the moved origin. */
+static inline X(step) X(advance)(const ep_leaf *leaf, X(visit) *v, int triangle, const X(jet) *j)
 {
-    X(step) r;
-    const X(f) one = X(set)(1.0f);
-    const X(f) f_s = X(fnma)(v->p_s, j->at.z, j->at.x), f_t = X(fnma)(v->p_t, j->at.z, j->at.y);
-    const X(f) ss = X(fnma)(v->p_s, j->ds.z, j->ds.x), st = X(fnma)(v->p_s, j->dt.z, j->dt.x);
-    const X(f) ts = X(fnma)(v->p_t, j->ds.z, j->ds.y), tt = X(fnma)(v->p_t, j->dt.z, j->dt.y);
-    const X(f) inverse = one / X(fnma)(st, ts, ss * tt);
-    const X(f) step_s = X(fnma)(tt, f_s, st * f_t) * inverse, step_t = X(fnma)(ss, f_t, ts * f_s) * inverse;
-    r.s = v->s + step_s;
-    r.t = v->t + step_t;
-    r.distance = X(fma)(j->dt.z, step_t, X(fma)(j->ds.z, step_s, j->at.z)) * v->inverse;
-
-    const X(f) i = X(abs)(inverse), i_ss = X(abs)(tt) * i, i_st = X(abs)(st) * i, i_ts = X(abs)(ts) * i,
-               i_tt = X(abs)(ss) * i;
-    const X(f) bend = X(max)(X(fma)(i_ss, v->bend_s, i_st * v->bend_t), X(fma)(i_ts, v->bend_s, i_tt * v->bend_t));
-    const X(f) noise = X(max)(i_ss + i_st, i_ts + i_tt) * v->noise;
-    const X(f) length = X(max)(X(abs)(step_s), X(abs)(step_t));
-    const X(f) twice = X(set)(2.0f) * (length + noise);
-    const X(m) unique = X(le)(bend * v->radius, one);
-    const X(f) error = X(select)(unique, X(min)(v->radius, twice), v->radius);
-    const X(f) bound = (bend * X(set)(0.5f)) * (error * error);
-    const X(f) outside = triangle ? X(max)(X(max)(-r.s, -r.t), (r.s + r.t) - one)
-                                  : X(max)(X(max)(-r.s, -r.t), X(max)(r.s, r.t) - one);
-    const X(f) margin = X(fma)(X(set)(4.0f), noise, bound);
-    /* no root in D, or none in the neighbourhood */
-    const X(m) miss = X(or)(X(lt)(triangle ? margin + margin : margin, outside), X(lt)(v->radius + margin, length));
-    const X(m) done = X(and)(X(and)(X(le)(length, X(set)(EP_NEAR)), X(le)(bound, noise)), unique);
-    r.hit = X(andnot)(X(and)(v->live, done), miss);
-    v->live = X(andnot)(v->live, X(or)(miss, done));
-
-    /* a lane goes on only while the roots' neighbourhood shrinks */
-    const X(f) next = triangle ? margin + margin : margin;
-    const X(m) shrinks = X(lt)(next, X(set)(0.75f) * v->radius);
-    v->slow = X(or)(v->slow, X(andnot)(v->live, shrinks));
-    v->live = X(and)(v->live, shrinks);
-    v->radius = next;
+    X(step) r = X(newton)(leaf, v, triangle, j, X(set)(leaf->noise_st), X(set)(leaf->noise_h));
+    const X(m) done = X(and)(X(and)(X(le)(r.length, X(set)(EP_NEAR)), X(le)(r.bound, r.noise)), r.unique);
+    r.distance = X(fma)(j->dt.z, r.step_t, X(fma)(j->ds.z, r.step_s, j->at.z)) * v->inverse;
+    r.hit = X(andnot)(X(and)(v->live, done), r.miss);
+    v->live = X(andnot)(v->live, X(or)(r.miss, done));
+    v->slow = X(or)(v->slow, X(andnot)(v->live, r.shrinks));
+    v->live = X(and)(v->live, r.shrinks);
+    v->radius = r.radius;
     v->s = r.s;
     v->t = r.t;
     X(clamp)(triangle, &v->s, &v->t);
     return r;
+}
+
+/* Ng at the Newton point: the tangents' change over the step comes from the model's second derivatives. */
+static inline void X(normal)(const ep_leaf *leaf, const X(jet) *j, const X(step) *r, X(f) ng[3])
+{
+    const X(f) jds[3] = { j->ds.x, j->ds.y, j->ds.z }, jdt[3] = { j->dt.x, j->dt.y, j->dt.z };
+    X(f) a[3], b[3], n[3];
+    for (int c = 0; c < 3; ++c) {
+        const X(f) ss = X(set)(leaf->model[1][c]), st = X(set)(leaf->model[2][c]), tt = X(set)(leaf->model[3][c]);
+        a[c] = X(fma)(st, r->step_t, X(fma)(ss, r->step_s, jds[c]));
+        b[c] = X(fma)(tt, r->step_t, X(fma)(st, r->step_s, jdt[c]));
+    }
+    for (int c = 0; c < 3; ++c) {
+        const int k = (c + 1) % 3, l = (c + 2) % 3;
+        n[c] = X(set)(leaf->volume) * X(fnma)(a[l], b[k], a[k] * b[l]);
+    }
+    for (int c = 0; c < 3; ++c)
+        ng[c] = X(fma)(X(set)(leaf->frame[c][2]), n[2],
+                       X(fma)(X(set)(leaf->frame[c][1]), n[1], X(set)(leaf->frame[c][0]) * n[0]));
 }
 
 /* Bernstein polynomials of degree n at t: binomial * ((1-t)^(n-i) * t^i). */

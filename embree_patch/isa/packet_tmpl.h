@@ -119,17 +119,17 @@ EP_INLINE void w_move(const ep_patch *patch, const w_f *org, const w_f *dir, w_f
     }
 }
 
-/* The jet of S - o' at (s, t), and the tangents in space. */
+/* The jet of S - o' at (s, t). */
 EP_INLINE w_jet w_jet_at(const ep_leaf *leaf, const ep_patch *patch, int triangle, unsigned m, unsigned n, int rational,
-                         w_f s, w_f t, const w_f *moved, w_4 *su, w_4 *sv)
+                         w_f s, w_f t, const w_f *moved)
 {
     const float *d = leaf->domain;
     w_f u, v;
-    w_4 p;
+    w_4 p, su, sv;
     w_parameters(leaf, triangle, s, t, &u, &v);
-    w_evaluate(patch, triangle, m, n, rational, u, v, &p, su, sv);
+    w_evaluate(patch, triangle, m, n, rational, u, v, &p, &su, &sv);
     for (int c = 0; c < 3; ++c) p.c[c] = p.c[c] - moved[c];
-    const w_3 lu = w_to_leaf(leaf, su->c), lv = w_to_leaf(leaf, sv->c);
+    const w_3 lu = w_to_leaf(leaf, su.c), lv = w_to_leaf(leaf, sv.c);
     w_jet j;
     j.at = w_to_leaf(leaf, p.c);
     j.ds = (w_3){ w_along(d[2], lu.x, d[5], lv.x, triangle), w_along(d[2], lu.y, d[5], lv.y, triangle),
@@ -151,14 +151,6 @@ EP_INLINE void w_put_hit(const ep_leaf *leaf, int triangle, w_f s, w_f t, const 
     for (unsigned c = 0; c < 3; ++c) w_store(hit + (EP_HIT_NG + c) * rays, mask, ng[c]);
     w_store(hit + EP_HIT_U * rays, mask, u);
     w_store(hit + EP_HIT_V * rays, mask, v);
-}
-
-EP_INLINE void w_normal(const w_4 *su, const w_4 *sv, w_m where, w_f *ng)
-{
-    for (int c = 0; c < 3; ++c) {
-        const int a = (c + 1) % 3, b = (c + 2) % 3;
-        ng[c] = w_select(where, w_fnma(su->c[b], sv->c[a], su->c[a] * sv->c[b]), ng[c]);
-    }
 }
 
 EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned rays,
@@ -191,18 +183,18 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const 
 
         w_f s_root = visit.s, t_root = visit.t, t_hit = tfar, ng[3] = { tfar, tfar, tfar };
         while (live) {
-            w_4 su, sv;
-            const w_jet jet =
-                w_jet_at(leaf, patch, triangle, m, n, rational, visit.s, visit.t, moved, &su, &sv);
+            const w_jet jet = w_jet_at(leaf, patch, triangle, m, n, rational, visit.s, visit.t, moved);
             counters->evaluations += (unsigned)__builtin_popcount(live);
-            const w_step step = w_advance(&visit, triangle, &jet);
+            const w_step step = w_advance(leaf, &visit, triangle, &jet);
             const w_f t = visit.t_plane + step.distance;
             const w_m found = w_and(step.hit, w_and(w_lt(tnear, t), w_lt(t, tfar)));
             hit |= w_bits(found);
             s_root = w_select(found, step.s, s_root);
             t_root = w_select(found, step.t, t_root);
             t_hit = w_select(found, t, t_hit);
-            w_normal(&su, &sv, found, ng);
+            w_f n_root[3];
+            w_normal(leaf, &jet, &step, n_root);
+            for (int c = 0; c < 3; ++c) ng[c] = w_select(found, n_root[c], ng[c]);
             live = w_bits(visit.live);
         }
         outcome.slow |= w_bits(visit.slow) << base;

@@ -105,17 +105,14 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const ep_patch *patch, const 
                         s_along(dom[2], lu[2], dom[5], lv[2], triangle) };
         jet.dt = (s_3){ s_along(dom[3], lv[0], dom[4], lu[0], triangle), s_along(dom[3], lv[1], dom[4], lu[1], triangle),
                         s_along(dom[3], lv[2], dom[4], lu[2], triangle) };
-        const s_step step = s_advance(&visit, triangle, &jet);
+        const s_step step = s_advance(leaf, &visit, triangle, &jet);
         if (visit.live) continue;
         if (visit.slow) return (ep_outcome){ 0, 1 };
         const float t = visit.t_plane + step.distance;
         if (!(step.hit && tnear < t && t < tfar)) return (ep_outcome){ 0, 0 };
 
         *t_out = t;
-        for (int c = 0; c < 3; ++c) {
-            const int a = (c + 1) % 3, b = (c + 2) % 3;
-            hit_out[EP_HIT_NG + c] = s_fnma(su[b], sv[a], su[a] * sv[b]);
-        }
+        s_normal(leaf, &jet, &step, hit_out + EP_HIT_NG);
         s_parameters(leaf, triangle, step.s, step.t, &u, &v);
         hit_out[EP_HIT_U] = s_min(s_max(u, 0.0f), 1.0f);
         hit_out[EP_HIT_V] = s_min(s_max(v, 0.0f), triangle ? 1.0f - hit_out[EP_HIT_U] : 1.0f);

@@ -31,9 +31,9 @@
         return s_single(leaf, patch, ray, t, hit, counters, triangle, m, n, rational);                                 \
     }                                                                                                                  \
     static void cells_##name(const ep_leaf *leaf, const ep_patch *patch, const float *ray, double lo, double hi,       \
-                             ep_cells *out, EPCounters *counters)                                                      \
+                             ep_cells *out)                                                                            \
     {                                                                                                                  \
-        w_cells(leaf, patch, ray, lo, hi, out, counters, triangle, m, n, rational);                                    \
+        w_cells(leaf, patch, ray, lo, hi, out, triangle, m, n, rational);                                              \
     }
 
 #define EP_DEGREES(name, triangle, rational)                                                                           \

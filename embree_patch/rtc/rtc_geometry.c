@@ -129,7 +129,7 @@ static bool solve_by_cells(const query *q, unsigned lane, const float *ray, doub
                            last_root *last, candidates *c, EPCounters *counters)
 {
     ep_cells cells;
-    q->geometry->kernels->cells[q->patch->shape](q->leaf, q->patch, ray, lo, hi, &cells, counters);
+    q->geometry->kernels->cells[q->patch->shape](q->leaf, q->patch, ray, lo, hi, &cells);
     const double length = (hi - lo) / EP_PACKET;
     for (unsigned k = 0; k < EP_PACKET; ++k) {
         if (cells.open >> k & 1) {

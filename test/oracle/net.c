@@ -7,24 +7,6 @@
 
 enum { W, U, V };
 
-size_t net_count(net_shape s)
-{
-    return s.triangle ? (size_t)(s.n + 1) * (s.n + 2) / 2 : (size_t)(s.m + 1) * (s.n + 1);
-}
-
-size_t net_index(net_shape s, unsigned i, unsigned j)
-{
-    if (!s.triangle) return (size_t)j * (s.m + 1) + i;
-    size_t rows = 0;
-    for (unsigned k = 0; k < j; ++k) rows += s.n + 1 - k;
-    return rows + i;
-}
-
-bool net_has(net_shape s, unsigned i, unsigned j)
-{
-    return s.triangle ? i + j <= s.n : i <= s.m && j <= s.n;
-}
-
 static net_shape triangle(unsigned n)
 {
     return (net_shape){true, n, n};

@@ -20,11 +20,21 @@ typedef struct net_shape {
     unsigned m, n; /* degrees; equal for a triangle */
 } net_shape;
 
-size_t net_count(net_shape s);
+static inline size_t net_count(net_shape s)
+{
+    return s.triangle ? (size_t)(s.n + 1) * (s.n + 2) / 2 : (size_t)(s.m + 1) * (s.n + 1);
+}
 
-/* Where the point with i steps in u and j in v stands. */
-size_t net_index(net_shape s, unsigned i, unsigned j);
-bool net_has(net_shape s, unsigned i, unsigned j);
+static inline bool net_has(net_shape s, unsigned i, unsigned j)
+{
+    return s.triangle ? i + j <= s.n : i <= s.m && j <= s.n;
+}
+
+/* Where the point with i steps in u and j in v stands: in a triangle after j rows of n+1, n, ... points. */
+static inline size_t net_index(net_shape s, unsigned i, unsigned j)
+{
+    return (s.triangle ? (size_t)j * (2 * s.n + 3 - j) / 2 : (size_t)j * (s.m + 1)) + i;
+}
 
 /* Value and first derivatives at (a, b), which may lie outside of the domain. */
 void net_evaluate(net_shape s, const net_point *net, double a, double b, net_point p, net_point pa, net_point pb);

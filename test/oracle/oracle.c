@@ -14,10 +14,10 @@
 
 enum {
     PIECE_CUTS = 6,      /* a patch is cut into 2^6 pieces                                           */
-    SEARCH_PARTS = 20000 /* parts of a piece; a ray along a flat patch would go on for ever          */
+    SEARCH_PARTS = 5000 /* parts of a piece; a ray along a flat patch would go on for ever          */
 };
 static const double extension = 2 * ORACLE_BORDER;
-static const double smallest = 0x1p-24; /* sides of a part, of the domain, that is no longer cut */
+static const double smallest = 0x1p-16; /* sides of a part, of the domain, that is no longer cut */
 static const double rounding = 1e-13;   /* of the patch's radius; double errs by less           */
 static const double newton_slack = 1e-9; /* a root on the border of two parts belongs to both    */
 
@@ -266,8 +266,8 @@ typedef struct range {
 
 static void include(range *r, double x)
 {
-    r->low = fmin(r->low, x);
-    r->high = fmax(r->high, x);
+    if (x < r->low) r->low = x;
+    if (x > r->high) r->high = x;
 }
 
 static const range nothing = {INFINITY, -INFINITY};
@@ -369,6 +369,27 @@ static slopes slopes_of(net_shape s, const net_point *net)
     return d;
 }
 
+/* The longest leg of the control net along each edge, in space. */
+static void legs_of(const query *q, const net_point *net, double legs[3])
+{
+    static const unsigned from[3][2] = {{0, 0}, {0, 0}, {1, 0}}, to[3][2] = {{1, 0}, {0, 1}, {0, 1}};
+    const net_shape s = q->patch->shape;
+    const double along = sqrt(dot(q->dir, q->dir));
+    for (int e = 0; e < 3; ++e) legs[e] = 0;
+    for (int e = 0; e < (s.triangle ? 3 : 2); ++e)
+        for (unsigned j = 0; j <= s.n; ++j)
+            for (unsigned i = 0; net_has(s, i, j); ++i) {
+                if (!net_has(s, i + from[e][0], j + from[e][1]) || !net_has(s, i + to[e][0], j + to[e][1])) continue;
+                const double *p = net[net_index(s, i + from[e][0], j + from[e][1])];
+                const double *r = net[net_index(s, i + to[e][0], j + to[e][1])];
+                double d[3];
+                for (int c = 0; c < 3; ++c) d[c] = r[c] / r[3] - p[c] / p[3];
+                d[2] *= along;
+                legs[e] = fmax(legs[e], sqrt(dot(d, d)));
+            }
+    legs[0] *= s.m, legs[1] *= s.n, legs[2] *= s.n;
+}
+
 /* The hull of a f1 + b f2 over a net. */
 static range hull(const net_point *net, size_t count, double a, double b)
 {
@@ -450,9 +471,11 @@ static void search(query *q, const net_point *net, const net_part *part)
             return;
         }
     }
-    const unsigned edge = longest_edge(s, part);
-    if (fabs(part->a[0]) + fabs(part->a[1]) + fabs(part->b[0]) + fabs(part->b[1]) < smallest ||
-        ++q->parts > SEARCH_PARTS) {
+    double legs[3];
+    legs_of(q, net, legs);
+    const unsigned edge = legs[2] > fmax(legs[0], legs[1]) ? 2 : legs[1] > legs[0];
+    const double size = fabs(part->a[0]) + fabs(part->a[1]) + fabs(part->b[0]) + fabs(part->b[1]);
+    if (size < smallest || legs[edge] < ORACLE_NEAR * q->patch->radius || ++q->parts > SEARCH_PARTS) {
         add_undecided(q, part, t_range(q, net, count));
         return;
     }

@@ -1,0 +1,170 @@
+/* bench_degrees.c - what a degree costs: one patch fills the picture.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * The setting of Table 1 in H.-F. Pabst, J. P. Springer, A. Schollmeyer, R. Lenhardt, C. Lessig, B. Froehlich, "Ray
+ * casting of trimmed NURBS surfaces on the GPU" (2006): a single Bézier patch of each degree, seen so that it covers
+ * every pixel. Theirs were the fragments of a GPU of that year. */
+#include "tools/bench.h"
+#include "tools/model.h"
+#include "tools/progress.h"
+#include "tools/report.h"
+#include "tools/stats.h"
+#include "tools/table.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FIRST = 2, LAST = 6, DEGREES = LAST - FIRST + 1, SUBJECTS = 2 * DEGREES };
+
+static const double paper[DEGREES] = {87, 48, 23, 14, 9};
+
+/* The view: an eye over the middle of the patch, which reaches a little beyond the picture. */
+#define SIDE 512
+#define TILE 4
+#define EYE_HEIGHT 2.0
+#define EDGE 0.85 /* of the patch, in the picture's corner, where the height is 0 */
+
+typedef struct degree {
+    unsigned n;
+    bool rational;
+    scene *scene;
+    world *world;
+    bench_figure speed;
+} degree;
+
+/* The graph of a function over [-1,1]²: hills and hollows, as many as the degree affords. */
+static bool fill_patch(scene_geometry *g, unsigned n, bool rational)
+{
+    double *p = geometry_add_patch(g, PATCH_TENSOR, n, n);
+    if (!p) return false;
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= n; ++i, p += 4) {
+            p[0] = 2.0 * i / n - 1;
+            p[1] = 2.0 * j / n - 1;
+            p[2] = 0.3 * sin(2.1 * i + 0.4) * cos(1.7 * j - 0.3);
+            p[3] = rational ? 1 + 0.5 * sin(1.3 * i + 2.2 * j) : 1;
+        }
+    g->patches[0].rational = rational;
+    return true;
+}
+
+static scene *new_scene(unsigned n, bool rational)
+{
+    scene *s = calloc(1, sizeof *s);
+    if (!s) return NULL;
+    s->path = strdup("a patch");
+    s->geometries = calloc(1, sizeof *s->geometries);
+    s->objects = calloc(1, sizeof *s->objects);
+    s->geometry_count = s->geometries ? 1 : 0;
+    s->object_count = s->objects ? 1 : 0;
+    if (s->path && s->geometries && s->objects && fill_patch(s->geometries, n, rational)) {
+        *s->objects = (scene_object){0, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, true, NULL};
+        return s;
+    }
+    scene_free(s);
+    return NULL;
+}
+
+static bool build(degree *d, const bench_options *o)
+{
+    const world_options w = {o->threads[0], 0, 2 * EYE_HEIGHT, o->build};
+    d->scene = new_scene(d->n, d->rational);
+    if (!d->scene) report_no_memory(NULL);
+    d->world = d->scene ? world_new(d->scene, &w) : NULL;
+    return d->world;
+}
+
+static void fill_rays(trace_ray *r)
+{
+    for (size_t y = 0; y < SIDE; y += TILE)
+        for (size_t x = 0; x < SIDE; x += TILE)
+            for (size_t k = 0; k < TILE * TILE; ++k) {
+                const double px = EDGE * (2 * ((double)(x + k % TILE) + 0.5) / SIDE - 1);
+                const double py = EDGE * (2 * ((double)(y + k / TILE) + 0.5) / SIDE - 1);
+                const double length = sqrt(px * px + py * py + EYE_HEIGHT * EYE_HEIGHT);
+                *r++ = (trace_ray){{0, 0, (float)EYE_HEIGHT},
+                                   0,
+                                   {(float)(px / length), (float)(py / length), (float)(-EYE_HEIGHT / length)},
+                                   INFINITY};
+            }
+}
+
+static bool measure(degree *d, const trace_ray *rays, const bench_options *o)
+{
+    static const bench_workload picture = {"picture", BENCH_PRIMARY, 16, true, false};
+    const size_t count = SIDE * SIDE;
+    progress p;
+    bool done = true;
+    progress_begin(&p, "degrees", (o->runs + 1) * SUBJECTS);
+    for (unsigned run = 0; run <= o->runs && done; ++run)
+        for (unsigned i = 0; i < SUBJECTS && done; ++i) {
+            const unsigned passes = run ? 8 * o->threads[0] : 1;
+            const bench_timing t = bench_trace(d[i].world->rtc, &picture, rays, count, passes, o->threads[0]);
+            done = t.seconds > 0;
+            if (run && done) bench_add(&d[i].speed, 1e-6 * (double)count * passes / t.seconds);
+            progress_add(&p, 1);
+        }
+    progress_end(&p);
+    return done;
+}
+
+static void print(const degree *d, const bench_options *o, bool markdown)
+{
+    table t = {0};
+    printf(
+        "One Bézier patch of each degree fills %d x %d pixels; millions of pixels a second with %u thread%s, medians "
+        "of %u runs.\n\n",
+        SIDE, SIDE, o->threads[0], o->threads[0] == 1 ? "" : "s", o->runs);
+    table_row(&t);
+    table_cell(&t, "degree");
+    for (unsigned i = 0; i < DEGREES; ++i) table_cell(&t, "%u×%u", FIRST + i, FIRST + i);
+    for (unsigned k = 0; k < 2; ++k) {
+        table_row(&t);
+        table_cell(&t, k ? "rational" : "polynomial");
+        for (unsigned i = 0; i < DEGREES; ++i) table_cell(&t, "%.1f", bench_median(&d[2 * i + k].speed));
+    }
+    table_row(&t);
+    table_cell(&t, "a GPU of 2006 (Pabst et al.)");
+    for (unsigned i = 0; i < DEGREES; ++i) table_cell(&t, "%.0f", paper[i]);
+    table_print(&t, markdown);
+}
+
+static json_t *as_json(const degree *d, const bench_options *o)
+{
+    json_t *rows = json_array();
+    for (unsigned i = 0; i < DEGREES; ++i) {
+        const bench_figure *p = &d[2 * i].speed, *r = &d[2 * i + 1].speed;
+        json_t *row = json_pack("{s:[i, i], s:f, s:[f, f], s:f, s:[f, f], s:f}", "degree", (int)d[2 * i].n,
+                                (int)d[2 * i].n, "mpixels", bench_median(p), "mpixels_range", bench_least(p),
+                                bench_most(p), "mpixels_rational", bench_median(r), "mpixels_rational_range",
+                                bench_least(r), bench_most(r), "mpixels_2006", paper[i]);
+        if (json_array_append_new(rows, row)) return json_decref(rows), NULL;
+    }
+    return json_pack("{s:o, s:i, s:i, s:[i, i], s:o}", "machine", bench_machine_json(o->build.isa), "threads",
+                     (int)o->threads[0], "runs", (int)o->runs, "size", SIDE, SIDE, "degrees", rows);
+}
+
+bool bench_degrees(const bench_options *o, bench_form form)
+{
+    degree d[SUBJECTS] = {0};
+    trace_ray *rays = malloc(SIDE * SIDE * sizeof *rays);
+    bool done = rays;
+    if (rays) fill_rays(rays);
+    else report_no_memory(NULL);
+    for (unsigned i = 0; i < SUBJECTS && done; ++i) {
+        d[i].n = FIRST + i / 2;
+        d[i].rational = i % 2;
+        done = build(&d[i], o);
+    }
+    done = done && measure(d, rays, o);
+    if (done && form == BENCH_JSON) done = stats_write("-", as_json(d, o));
+    else if (done) print(d, o, form == BENCH_MARKDOWN);
+    for (unsigned i = 0; i < SUBJECTS; ++i) {
+        world_free(d[i].world);
+        if (d[i].scene) scene_free(d[i].scene);
+    }
+    free(rays);
+    return done;
+}

@@ -1,0 +1,178 @@
+/* bench_plot.c - six small pictures with the error of each subject to the right.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * All axes are logarithmic, so that a tessellation twice as fine is one step along a nearly straight line. The patches
+ * are one point; the dotted line through it shows which tessellations it beats. gnuplot does the drawing: it gets its
+ * script from a temporary file as standard input. */
+#include "tools/bench.h"
+#include "tools/report.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* Runs gnuplot quietly. The exit status, or -1 when it cannot be started; errno says why. */
+static int run_gnuplot(char *const argv[], int script)
+{
+    posix_spawn_file_actions_t actions;
+    pid_t pid;
+    int status;
+    posix_spawn_file_actions_init(&actions);
+    if (script >= 0) posix_spawn_file_actions_adddup2(&actions, script, STDIN_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    errno = posix_spawnp(&pid, argv[0], &actions, NULL, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (errno) return -1;
+    while (waitpid(pid, &status, 0) < 0)
+        if (errno != EINTR) return -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+bool bench_plot_possible(const char *path)
+{
+    char *const argv[] = {"gnuplot", "--version", NULL};
+    if (!run_gnuplot(argv, -1)) return true;
+    report_file(path, "--plot needs gnuplot, which is not installed (Debian: gnuplot-nox)");
+    return false;
+}
+
+/* One small picture: what stands over it, and the figure that it shows. */
+typedef struct panel {
+    const char *title, *format; /* of the ticks */
+    double (*value)(const bench_subject *s, unsigned workload);
+    const char *workload;
+} panel;
+
+static double speed(const bench_subject *s, unsigned w)
+{
+    return bench_median(&s->columns[0].speed[w]);
+}
+
+static double megabytes(const bench_subject *s, unsigned w)
+{
+    (void)w;
+    return (double)s->bytes / 1e6;
+}
+
+static double milliseconds(const bench_subject *s, unsigned w)
+{
+    (void)w;
+    return 1e3 * bench_median(&s->columns[0].build);
+}
+
+static const panel panels[] = {
+    {"camera rays in packets of 16, millions a second", "%g", speed, "primary16"},
+    {"random rays in packets of 16, millions a second", "%g", speed, "random16"},
+    {"memory, MB", "%g", megabytes, NULL},
+    {"single camera rays, millions a second", "%g", speed, "primary1"},
+    {"single random rays, millions a second", "%g", speed, "random1"},
+    {"time to build, ms", "%g", milliseconds, NULL},
+};
+
+/* In single quotes, on one line. */
+static void quote(FILE *f, const char *text)
+{
+    fputc('\'', f);
+    for (; *text; ++text) {
+        if (*text == '\'') fputc('\'', f);
+        fputc((unsigned char)*text < 32 ? '?' : *text, f);
+    }
+    fputc('\'', f);
+}
+
+/* Range and ticks of an axis, with room for the labels at its ends. */
+static void write_axis(FILE *f, char axis, double least, double most, double room)
+{
+    const bool wide = most / least > 300;
+    least /= room, most *= room;
+    fprintf(f, "set %crange [%.9g:%.9g]\nset %ctics (", axis, least, most, axis);
+    const char *comma = "";
+    for (int e = (int)floor(log10(least)); e <= (int)ceil(log10(most)); ++e)
+        for (int k = 0; k < (wide ? 1 : 3); ++k) {
+            static const int step[] = {1, 2, 5};
+            fprintf(f, "%s%.9g", comma, step[k] * pow(10, e));
+            comma = ", ";
+        }
+    fprintf(f, ")\n");
+}
+
+static void write_panel(FILE *f, const bench *b, const panel *p, unsigned w)
+{
+    const double at = b->patches.position_error, here = p->value(&b->patches, w);
+    double least = here, most = here;
+    fprintf(f, "$grids << EOD\n");
+    for (unsigned i = 0; i < b->grid_count; ++i) {
+        const double y = p->value(&b->grids[i], w);
+        fprintf(f, "%.9g %.9g %u\n", b->grids[i].position_error, y, b->grids[i].n);
+        least = fmin(least, y), most = fmax(most, y);
+    }
+    fprintf(f, "EOD\nset title '%s'\nset format y '%s'\n", p->title, p->format);
+    write_axis(f, 'y', least, most, pow(most / least, 0.12) * 1.15);
+    fprintf(f,
+            "$patches << EOD\n%.9g %.9g patches\nEOD\n"
+            "plot %.9g with lines lc rgb '#e8590c' lw 1 dt 3, \\\n"
+            "  $grids using 1:2 with linespoints lc rgb '#4c78a8' lw 1.6 pt 7 ps 0.55, \\\n"
+            "  $grids using 1:2:3 with labels tc rgb '#44586c' font ',11' offset 0,0.75, \\\n"
+            "  $patches using 1:2 with points lc rgb '#e8590c' pt 7 ps 1.1, \\\n"
+            "  $patches using 1:2:3 with labels tc rgb '#c2410c' font ',13' offset 0,0.95\n",
+            at, here, here);
+}
+
+static void write_script(FILE *f, const bench *b, const char *name)
+{
+    double least = b->patches.position_error, most = least;
+    for (unsigned i = 0; i < b->grid_count; ++i) {
+        least = fmin(least, b->grids[i].position_error);
+        most = fmax(most, b->grids[i].position_error);
+    }
+    fprintf(f, "set terminal svg size 1180,640 font 'Helvetica,13' background '#ffffff'\nset output ");
+    quote(f, name);
+    fprintf(f, "\nset multiplot layout 2,3 margins 0.045,0.985,0.085,0.875 spacing 0.055,0.17\n"
+               "set label 1 ");
+    char title[400];
+    snprintf(title, sizeof title, "%.200s: exact patches, and n × n triangles a patch", b->scene->path);
+    quote(f, title);
+    fprintf(f, " at screen 0.012,0.965 left font ',16' noenhanced\n"
+               "set label 2 'largest error of a hit, relative to the size of the scene' at screen 0.5,0.02 center\n"
+               "unset key\nset border 3 lc rgb '#888888'\nset tics nomirror scale 0.5 tc rgb '#555555'\n"
+               "set logscale xy\nset grid lc rgb '#e6e6e6' lt 1\nset title font ',13' offset 0,-0.4\n");
+    write_axis(f, 'x', least, most, 2);
+    fprintf(f, "set format x '10^{%%T}'\n");
+    for (size_t i = 0; i < sizeof panels / sizeof *panels; ++i) {
+        unsigned w = 0;
+        while (panels[i].workload && strcmp(panels[i].workload, bench_workloads[w].name)) ++w;
+        if (panels[i].workload && !(b->options.workloads >> w & 1)) fprintf(f, "set multiplot next\n");
+        else write_panel(f, b, &panels[i], w);
+        if (!i) fprintf(f, "unset label 1\nunset label 2\n");
+    }
+    fprintf(f, "unset multiplot\nset output\n");
+}
+
+bool bench_plot(const bench *b, output *to)
+{
+    char *const argv[] = {"gnuplot", "-", NULL};
+    FILE *script = tmpfile();
+    const char *problem = NULL;
+    if (script) write_script(script, b, to->name);
+    if (!script || fflush(script) || ferror(script) || fseek(script, 0, SEEK_SET)) {
+        problem = "cannot write the script for gnuplot";
+    } else {
+        errno = 0;
+        const int status = run_gnuplot(argv, fileno(script));
+        if (status) problem = status < 0 ? "cannot start gnuplot" : "gnuplot failed";
+    }
+    if (script) fclose(script);
+    if (!problem) return output_close(to);
+    report_file(to->path, "%s", problem);
+    output_discard(to);
+    return false;
+}

@@ -1,0 +1,148 @@
+/* bench_print.c - the figures for people: a table of numbers, then one of ratios.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "tools/bench.h"
+#include "tools/machine.h"
+#include "tools/table.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Three digits. */
+static void cell_speed(table *t, double x)
+{
+    table_cell(t, x < 9.995 ? "%.2f" : x < 99.95 ? "%.1f" : "%.0f", x);
+}
+
+static void cell_bytes(table *t, size_t bytes)
+{
+    const double mb = (double)bytes / 1e6;
+    if (mb < 9.995) table_cell(t, "%.2f MB", mb);
+    else if (mb < 9995) table_cell(t, "%.0f MB", mb);
+    else table_cell(t, "%.1f GB", mb / 1e3);
+}
+
+static void cell_seconds(table *t, double s)
+{
+    if (s < 0.9995) table_cell(t, "%.*f ms", s < 0.00995 ? 1 : 0, 1e3 * s);
+    else table_cell(t, "%.1f s", s);
+}
+
+/* What is better when it is less: 1/300 rather than 0.0033. */
+static void cell_part(table *t, double ratio)
+{
+    if (ratio >= 0.1) table_cell(t, "%.2f", ratio);
+    else table_cell(t, "1/%.0f", 1 / ratio);
+}
+
+static void head(table *t, const bench *b, bool first)
+{
+    table_row(t);
+    table_cell(t, "%s", "");
+    if (first) {
+        table_cell(t, "error");
+        table_cell(t, "normal");
+        table_cell(t, "memory");
+    }
+    table_cell(t, "build");
+    for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
+        if (b->options.workloads >> w & 1) table_cell(t, "%s", bench_workloads[w].name);
+}
+
+static void row(table *t, const bench *b, const bench_subject *s, unsigned column)
+{
+    table_row(t);
+    if (s->n) table_cell(t, "triangles %u×%u", s->n, s->n);
+    else table_cell(t, s == &b->limit ? "limit" : "patches");
+    if (s != &b->limit) {
+        if (!column) {
+            table_cell(t, "%.1e", s->position_error);
+            table_cell(t, s->normal_error < 0.0995 ? "%.3f°" : "%.2f°", s->normal_error);
+            cell_bytes(t, s->bytes);
+        }
+        cell_seconds(t, bench_median(&s->columns[column].build));
+    } else {
+        for (int i = 0; i < (column ? 1 : 4); ++i) table_cell(t, "%s", "");
+    }
+    for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
+        if (b->options.workloads >> w & 1) cell_speed(t, bench_median(&s->columns[column].speed[w]));
+}
+
+static void ratios(table *t, const bench *b, const bench_subject *s, unsigned column)
+{
+    const bench_column *p = &b->patches.columns[column], *q = &s->columns[column];
+    table_row(t);
+    table_cell(t, "patches / %u×%u", s->n, s->n);
+    if (!column) {
+        cell_part(t, b->patches.position_error / s->position_error);
+        cell_part(t, b->patches.normal_error / s->normal_error);
+        cell_part(t, (double)b->patches.bytes / (double)s->bytes);
+    }
+    cell_part(t, bench_median(&p->build) / bench_median(&q->build));
+    for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
+        if (b->options.workloads >> w & 1) cell_speed(t, bench_median(&p->speed[w]) / bench_median(&q->speed[w]));
+}
+
+static void print_column(const bench *b, unsigned column, bool markdown)
+{
+    table t = {0};
+    head(&t, b, !column);
+    for (unsigned i = 0; i < b->grid_count; ++i) row(&t, b, &b->grids[i], column);
+    row(&t, b, &b->patches, column);
+    row(&t, b, &b->limit, column);
+    t.apart[t.rows] = true;
+    for (unsigned i = 0; i < b->grid_count; ++i) {
+        const unsigned n = b->grids[i].n;
+        if (n == 64 || n == 256 || i + 1 == b->grid_count) ratios(&t, b, &b->grids[i], column);
+    }
+    table_print(&t, markdown);
+}
+
+/* How much the runs of a figure differ from its median: on average, at most. */
+static void spread(const bench *b, double *mean, double *most)
+{
+    double sum = 0, count = 0;
+    *most = 0;
+    for (unsigned i = 0; i < b->grid_count + 2; ++i) {
+        const bench_subject *s = i < b->grid_count ? &b->grids[i] : i == b->grid_count ? &b->patches : &b->limit;
+        for (unsigned c = 0; c < b->options.columns; ++c)
+            for (unsigned w = 0; w < BENCH_WORKLOADS; ++w) {
+                const bench_figure *f = &s->columns[c].speed[w];
+                for (unsigned r = 0; r < f->runs; ++r) {
+                    const double part = fabs(f->run[r] / bench_median(f) - 1);
+                    sum += part, count += 1;
+                    *most = fmax(*most, part);
+                }
+            }
+    }
+    *mean = count > 0 ? sum / count : 0;
+}
+
+void bench_print(const bench *b, bool markdown)
+{
+    const machine m = machine_describe();
+    EPStatistics statistics;
+    double mean, most;
+    epGetGeometryStatistics(b->patches.world->geometries[0], &statistics);
+    spread(b, &mean, &most);
+
+    const char *gap = markdown ? "\n" : "";
+    printf("%s, %zu leaves. %s, %u cores, %s; Embree %s; %s.\n%s", b->scene->path, b->patches.world->leaves, m.cpu,
+           m.cores, statistics.isa, m.embree, m.compiler, gap);
+    printf("Millions of rays a second with %u thread%s: medians of %u runs over %zu rays, which differ from them by "
+           "%.1f %% on average, %.0f %% at most.\n\n",
+           b->options.threads[0], b->options.threads[0] == 1 ? "" : "s", b->options.runs, b->rays.count, 100 * mean,
+           100 * most);
+    print_column(b, 0, markdown);
+    for (unsigned c = 1; c < b->options.columns; ++c) {
+        printf("\nWith %u threads:\n\n", b->options.threads[c]);
+        print_column(b, c, markdown);
+    }
+    const bench_subject *last = &b->grids[b->grid_count - 1];
+    if (b->matched) printf("\n%u×%u triangles a patch are as exact as the patches. ", last->n, last->n);
+    else printf("\nNo tessellation was as exact as the patches. ");
+    printf(
+        "Error: the largest distance of a hit from the\nexact surface, relative to the scene's diagonal; normal: the "
+        "largest angle. Memory and build count everything,\nEmbree's part too. Limit: the hierarchy of the patches "
+        "with a callback that only meets the leaf's plane.\n");
+}

@@ -1,0 +1,123 @@
+/* cmd_bench.c - `epatch bench`: why not tessellate?
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "tools/args.h"
+#include "tools/bench.h"
+#include "tools/commands.h"
+#include "tools/machine.h"
+#include "tools/report.h"
+#include "tools/stats.h"
+
+#include <string.h>
+
+typedef struct bench_command {
+    const char *scene, *stats, *plot;
+    bool json, markdown, degrees, all_threads;
+    unsigned threads, megabytes;
+    bench_options options;
+} bench_command;
+
+static bool write_results(const bench_command *c, const bench *b, output *plot)
+{
+    bool done = true;
+    if (c->json) done = stats_write("-", bench_json(b));
+    else bench_print(b, c->markdown);
+    if (c->stats) done = stats_write(c->stats, bench_json(b)) && done;
+    if (!c->plot) return done;
+    if (done) return bench_plot(b, plot);
+    output_discard(plot);
+    return false;
+}
+
+static bool run(const bench_command *c)
+{
+    output plot;
+    bench b = {0};
+    if (c->plot && (!bench_plot_possible(c->plot) || !output_open(&plot, c->plot))) return false;
+
+    scene *s = scene_read(c->scene);
+    bool done = s != NULL;
+    if (done && c->options.scene_camera && !s->has_camera) {
+        report_file(s->path, "there is no camera for --scene-camera");
+        done = false;
+    }
+    done = done && bench_run(&b, s, &c->options);
+    if (done) done = write_results(c, &b, &plot);
+    else if (c->plot) output_discard(&plot);
+    bench_free(&b);
+    if (s) scene_free(s);
+    return done;
+}
+
+/* Columns of threads, and memory. */
+static void settle(bench_command *c)
+{
+    bench_options *o = &c->options;
+    o->threads[0] = c->all_threads ? 1 : trace_threads(c->threads);
+    o->threads[1] = trace_threads(0);
+    o->columns = c->all_threads ? 2 : 1;
+    o->memory = c->megabytes ? (size_t)c->megabytes << 20 : machine_free_memory() / 2;
+}
+
+static bool is_power_of_two(unsigned n)
+{
+    return !(n & (n - 1));
+}
+
+int cmd_bench(int argc, char **argv)
+{
+    static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
+    bench_command c = {.threads = 1,
+                       .options = {.runs = 5,
+                                   .rays = 1 << 18,
+                                   .workloads = (1u << BENCH_WORKLOADS) - 1,
+                                   .max_grid = BENCH_LAST_GRID,
+                                   .build = epDefaultBuildSettings()}};
+    unsigned isa = 0;
+    for (int i = 1; i < argc; ++i) c.degrees |= !strcmp(argv[i], "--degrees");
+    const arg_option options[] = {
+        ARG_FLAG("--json", &c.json, "one JSON object instead of the table"),
+        ARG_FLAG("--table", &c.markdown, "the table as Markdown"),
+        ARG_STRING("--stats", "FILE", &c.stats, "the JSON object into a file, besides the table"),
+        ARG_STRING("--plot", "FILE.svg", &c.plot, "error against speed, memory and build time, drawn by\ngnuplot"),
+        ARG_UNSIGNED("--runs", "N", &c.options.runs, 1, BENCH_RUNS_MAX, "runs; figures are their medians (5)"),
+        ARG_UNSIGNED("--rays", "N", &c.options.rays, 16, 1u << 28, "rays of a workload, about (262144)"),
+        ARG_SET("--workloads", "primary1,primary16,random1,random16,bounce1,bounce16,occluded1,occluded16",
+                &c.options.workloads, "only these; 1: single rays, 16: packets (all)"),
+        ARG_UNSIGNED("--threads", "N", &c.threads, 0, 1024, "for building and tracing; 0: all (1)"),
+        ARG_FLAG("--all-threads", &c.all_threads, "measure with one thread and with all"),
+        ARG_UNSIGNED("--max-tessellation", "N", &c.options.max_grid, BENCH_FIRST_GRID, BENCH_LAST_GRID,
+                     "the finest tessellation, a power of two\n(what memory allows)"),
+        ARG_UNSIGNED("--memory", "MB", &c.megabytes, 1, 1u << 30,
+                     "for all tessellations together\n(half of what is free)"),
+        ARG_FLAG("--scene-camera", &c.options.scene_camera,
+                 "the scene's camera for primary rays, not one that fills\nthe picture"),
+        ARG_FLAG("--degrees", &c.degrees,
+                 "instead of a SCENE: patches of degree 2x2 to 6x6 that\nfill the picture, beside the speeds that "
+                 "Pabst et al.\nmeasured on a GPU in 2006"),
+        ARG_CHOICE("--isa", "best|plain|avx2|avx512", &isa, "instruction set of the kernels (best)"),
+    };
+    const arg_table table = {"bench SCENE",
+                             "Measures exact patches against tessellations, each patch 8 x 8, 16 x 16, ... cells of\n"
+                             "Embree triangles until they are as exact as the patches or memory ends: speed, error,\n"
+                             "memory and time to build, all in one run.",
+                             c.degrees ? NULL : "SCENE",
+                             &c.scene,
+                             options,
+                             ARG_COUNT(options)};
+    int status = args_parse(&table, argc, argv);
+    if (status != ARGS_GO) return status;
+    if (c.json && c.markdown) return args_wrong(&table, "--json and --table exclude each other");
+    if (c.stats && !strcmp(c.stats, "-")) return args_wrong(&table, "--stats is '-'; --json writes to standard output");
+    if (c.all_threads && c.threads != 1) return args_wrong(&table, "--threads and --all-threads exclude each other");
+    if (!is_power_of_two(c.options.max_grid))
+        return args_wrong(&table, "--max-tessellation is '%u', not a power of two", c.options.max_grid);
+    if (c.plot && (strlen(c.plot) < 5 || strcmp(c.plot + strlen(c.plot) - 4, ".svg")))
+        return args_wrong(&table, "--plot is '%s', not the name of an .svg file", c.plot);
+    if (c.degrees && (c.plot || c.stats)) return args_wrong(&table, "--degrees has no --plot and no --stats");
+    c.options.build.isa = sets[isa];
+    settle(&c);
+    if (c.degrees)
+        return bench_degrees(&c.options, c.json ? BENCH_JSON : c.markdown ? BENCH_MARKDOWN : BENCH_TEXT) ? 0 : 1;
+    return run(&c) ? 0 : 1;
+}

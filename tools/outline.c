@@ -1,0 +1,62 @@
+/* outline.c - points on the surfaces for framing, control points for bounds.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "tools/outline.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Enough to know a model's outline when the camera is placed; more would only take time. */
+#define OUTLINE_POINTS 200000
+#define OUTLINE_GRID 6
+
+static void transform(const double m[12], const double p[3], double r[3])
+{
+    for (int x = 0; x < 3; ++x) r[x] = m[x] * p[0] + m[3 + x] * p[1] + m[6 + x] * p[2] + m[9 + x];
+}
+
+double (*outline_new(const world *w, size_t *count))[3]
+{
+    const scene *s = w->scene;
+    size_t patches = 0;
+    for (size_t i = 0; i < s->object_count; ++i) patches += s->geometries[s->objects[i].geometry].patch_count;
+    size_t step = 1 + OUTLINE_GRID * OUTLINE_GRID * patches / OUTLINE_POINTS;
+    double(*points)[3] =
+        malloc(sizeof *points * (OUTLINE_GRID * OUTLINE_GRID * (patches / step + s->object_count) + 1));
+    *count = 0;
+    for (size_t i = 0; points && i < s->object_count; ++i) {
+        const scene_object *o = &s->objects[i];
+        const scene_geometry *g = &s->geometries[o->geometry];
+        for (size_t k = 0; k < g->patch_count; k += step)
+            for (int sample = 0; sample < OUTLINE_GRID * OUTLINE_GRID; ++sample) {
+                double u = (sample % OUTLINE_GRID) / (OUTLINE_GRID - 1.0), p[3];
+                double v = (sample / OUTLINE_GRID) / (OUTLINE_GRID - 1.0);
+                if (g->patches[k].kind == PATCH_TRIANGLE) v *= 1 - u;
+                if (epEvaluate(w->geometries[o->geometry], (uint32_t)k, u, v, p, NULL, NULL, NULL) == EP_OK)
+                    transform(o->transform, p, points[(*count)++]);
+            }
+    }
+    return points;
+}
+
+/* An eye that frames the scene is no farther from it than a few of its diameters. */
+double outline_reach(const scene *s, const camera *c)
+{
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < s->object_count; ++i) {
+        const scene_geometry *g = &s->geometries[s->objects[i].geometry];
+        for (size_t k = 0; k < g->point_count; ++k) {
+            double p[3];
+            transform(s->objects[i].transform, g->points + 4 * k, p);
+            for (int x = 0; x < 3; ++x) lower[x] = fmin(lower[x], p[x]), upper[x] = fmax(upper[x], p[x]);
+        }
+    }
+    double corner = 0, diameter = 0, eye = 0;
+    for (int x = 0; x < 3 && lower[0] <= upper[0]; ++x) {
+        corner += fmax(lower[x] * lower[x], upper[x] * upper[x]);
+        diameter += (upper[x] - lower[x]) * (upper[x] - lower[x]);
+    }
+    if (!c) return sqrt(corner) + 8 * sqrt(diameter);
+    for (int x = 0; x < 3; ++x) eye += c->eye[x] * c->eye[x];
+    return sqrt(fmax(corner, eye));
+}
