@@ -288,9 +288,10 @@ def knot():
 
 def sweep(width=40.0, front=-30.0, back=16.0, radius=8.0, height=40.0):
     """A photographer's backdrop: floor, quarter cylinder, wall. Rational, so that the bend is a circle."""
+    wall = back + radius
     profile = [((front, 0.0, 1.0), ((front + back) / 2, 0.0, 1.0), (back, 0.0, 1.0)),
-               ((back, 0.0, 1.0), (back + radius, 0.0, sqrt(0.5)), (back + radius, radius, 1.0)),
-               ((back + radius, radius, 1.0), (back + radius, (radius + height) / 2, 1.0), (back + radius, height, 1.0))]
+               ((back, 0.0, 1.0), (wall, 0.0, sqrt(0.5)), (wall, radius, 1.0)),
+               ((wall, radius, 1.0), (wall, (radius + height) / 2, 1.0), (wall, height, 1.0))]
     return [[(x, y, z, w) for y, z, w in part for x in (-width, width)] for part in profile]
 
 
@@ -460,7 +461,8 @@ class Patch:
                 for i in range(n + 1 - j):
                     k = n - i - j
                     down = basis(n - 1, i, j, k - 1)
-                    yield basis(n, i, j, k), n * (basis(n - 1, i - 1, j, k) - down), n * (basis(n - 1, i, j - 1, k) - down)
+                    yield (basis(n, i, j, k), n * (basis(n - 1, i - 1, j, k) - down),
+                           n * (basis(n - 1, i, j - 1, k) - down))
 
     def evaluate(self, u, v):
         """Point and unnormalised normal."""
@@ -557,7 +559,8 @@ def check():
         assert ("rational" in name) == any(p[3] != 1 for p in patch.points)
     for name in files():
         read(name)
-    print("ok   %d files: spheres and torus exact to 1e-15, four closed models watertight, the knot smooth" % len(files()))
+    print("ok   %d files: spheres and torus exact to 1e-15, four closed models watertight, the knot smooth"
+          % len(files()))
 
 
 def main():

@@ -78,7 +78,6 @@ static void add_leaf(const piece_args *a, const ep_domain *d, unsigned depth, li
     ep_fit_info info;
     ep_leaf_fit(a->patch, a->local, d, true, leaf, &info);
     leaf->patch = a->index;
-    leaf->depth = depth;
     for (int c = 0; c < 3; ++c) {
         const double centre = (double)a->patch->centre[c] + (double)a->patch->centre_low[c];
         box->lower[c] = ep_round_down(centre + info.lower[c]);

@@ -56,8 +56,14 @@ typedef struct ep_kernels {
     ep_packet_kernel *packet[EP_SHAPES]; /* n = 4, 8, 16 */
     ep_packet_kernel *single[EP_SHAPES]; /* n = 1        */
     ep_cells_kernel *cells[EP_SHAPES];   /* one ray, between t = lo and hi, where it is in the leaf's prism */
-    /* Writes the lanes in `mask` to Embree's packet of n: tfar, and the `fields` rows of `hit`. */
-    void (*commit)(float *rayhit, unsigned n, uint32_t mask, const float *t, const float *hit, unsigned fields);
+    /* What a filter needs around it, for packets of n = 4, 8, 16. `before` and `valid` have room for 16 and are aligned.
+     * offer: valid = -1 in `mask` and 0 elsewhere; the rays' tfar becomes t there, and all of it is kept in before.
+     * settle: gives tfar back to lanes of `mask` that are no longer valid, and returns those that are.
+     * active: the lanes where valid is -1. commit: writes the first `fields` rows of hit to the lanes in `mask`. */
+    void (*offer)(float *ray, unsigned n, uint32_t mask, const float *t, float *before, int *valid);
+    uint32_t (*settle)(float *ray, unsigned n, uint32_t mask, const float *before, const int *valid);
+    uint32_t (*active)(const int *valid, unsigned n);
+    void (*commit)(float *rayhit, unsigned n, uint32_t mask, const float *hit, unsigned fields);
 } ep_kernels;
 
 extern const ep_kernels ep_kernels_plain; /* runs everywhere; what the others are compared with */

@@ -199,7 +199,8 @@ static void point_box(const ep_point *q, size_t count, double lower[3], double u
 static void irregular(ep_leaf *leaf, ep_fit_info *info)
 {
     memset(leaf->frame, 0, sizeof leaf->frame);
-    leaf->height = leaf->side_s = leaf->side_t = leaf->bend_s = leaf->bend_t = leaf->bend_h = INFINITY;
+    leaf->height = leaf->side_s = leaf->side_t = INFINITY;
+    for (int c = 0; c < 3; ++c) leaf->bend[c] = leaf->warp[c] = INFINITY;
     leaf->noise_st = leaf->noise_h = leaf->stretch = INFINITY;
     leaf->reach_st = leaf->reach_h = 0;
     info->regular = false;
@@ -225,12 +226,14 @@ static void rounding(const ep_patch *p, const ep_domain *d, const frame *f, doub
     leaf->noise_h = ep_round_up(n_h * ds + 4 * EP_EPS_F);
     leaf->reach_st = ep_round_up(8 * EP_EPS_F * n_st);
     leaf->reach_h = ep_round_up(8 * EP_EPS_F * n_h);
-    /* M(o) also rounds its offset, and the kernels' first look at the ray leaves centre_low out */
-    const double low = fabs(p->centre_low[0]) + fabs(p->centre_low[1]) + fabs(p->centre_low[2]);
-    const double o_st = fmax(fabs(f->offset[0]), fabs(f->offset[1]));
-    leaf->side_s = ep_round_up(leaf->side_s + 8 * EP_EPS_F * o_st + n_st * low);
-    leaf->side_t = ep_round_up(leaf->side_t + 8 * EP_EPS_F * o_st + n_st * low);
-    leaf->height = ep_round_up(leaf->height + 8 * EP_EPS_F * fabs(f->offset[2]) + n_h * low);
+    /* M(o) also rounds its offset */
+    const double o_st = 8 * EP_EPS_F * fmax(fabs(f->offset[0]), fabs(f->offset[1]));
+    const double o_h = 8 * EP_EPS_F * fabs(f->offset[2]);
+    leaf->side_s = ep_round_up(leaf->side_s + o_st);
+    leaf->side_t = ep_round_up(leaf->side_t + o_st);
+    leaf->model_st = ep_round_up(leaf->model_st + o_st);
+    leaf->height = ep_round_up(leaf->height + o_h);
+    leaf->model_h = ep_round_up(leaf->model_h + o_h);
 }
 
 /* The quadratic with r's value at the middle of the domain, no slope there, and the middle of the range of each second
@@ -316,9 +319,11 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, b
         }
     }
 
-    leaf->bend_s = ep_round_up(mag(b[0].dss) + 2 * mag(b[0].dst) + mag(b[0].dtt));
-    leaf->bend_t = ep_round_up(mag(b[1].dss) + 2 * mag(b[1].dst) + mag(b[1].dtt));
-    leaf->bend_h = ep_round_up(mag(b[2].dss) + 2 * mag(b[2].dst) + mag(b[2].dtt));
+    for (int c = 0; c < 3; ++c) {
+        leaf->bend[c] = ep_round_up(mag(b[c].dss) + 2 * mag(b[c].dst) + mag(b[c].dtt));
+        leaf->warp[c] = ep_round_up(half(b[c].dss) + 2 * half(b[c].dst) + half(b[c].dtt) +
+                                    EP_EPS_F * leaf->bend[c]); /* the model's rounding */
+    }
     leaf->side_s = ep_round_up(mag(value[0]));
     leaf->side_t = ep_round_up(mag(value[1]));
     leaf->height = ep_round_up(mag(value[2]));

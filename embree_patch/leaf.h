@@ -23,7 +23,7 @@
  * with q = J^-1 p, which stays of the order of 1/|g| however long p gets,
  * because A deviates from J by half of what DF does over the segment. Three conclusions, none of which counts steps:
  *
- *   (1) All roots in Q are within b = G e²/2 of c, with e the radius of Q about y. If c is farther than that outside
+ *   (1) All roots in Q are within b = G e²/2 of c (or b' of c', below), with e the radius of Q about y. If c is farther than that outside
  *       D there is none. Otherwise b is the radius of a new, smaller Q about c.
  *   (2) If G e <= 1, DF = J (I + E) with |E| < 1 throughout Q: F is injective there, the root is unique, and
  *       |x* - y| <= |c - y| + G e |x* - y| / 2 gives |x* - y| <= 2 |c - y|, which is usually much less than e.
@@ -32,6 +32,11 @@
  * The first y need not be x0: the quadratic `model` of r makes F's zero a step of a few dozen operations away, and the
  * same three conclusions hold for that step with the model's error in place of rounding. One evaluation of the surface
  * then usually ends in (3).
+ *
+ * The model's second derivatives also take out most of what Newton leaves: with v = H (c-y)²/2, x* is at
+ * c' = c - J^-1 (v_st - p v_h) up to what H differs from the truth, and (c-y)² from (x*-y)²:
+ *
+ *     |x* - c'| <= b' = W e² / 2 + (G e)² e / 2,    W like G with `warp`, the Lipschitz constants of D(r - model).
  *
  * Where b is not smaller than e the ray is nearly tangent to the leaf and solve.c subdivides. The test uses the
  * tangents where the ray is, not their range over the leaf, and the part of the leaf that the ray can touch: with a
@@ -52,13 +57,13 @@ typedef struct ep_leaf {
     float reach_st, reach_h;   /* rounding error of M(o) per unit of |o|, |.| the sum norm: 8 eps |row of M|       */
     float model[4][3];         /* r at the middle of D, and r_ss, r_st, r_tt there; each for s, t, h               */
     float model_st, model_h;   /* how far r may be from that quadratic                                            */
-    float bend_s, bend_t, bend_h; /* Lipschitz constants of the derivatives of r; infinity: always subdivide      */
+    float bend[3];             /* Lipschitz constants of the derivatives of r_s, r_t, r_h                         */
+    float warp[3];             /* the same for r minus the model                                                  */
     float noise_st, noise_h;   /* rounding errors of F: of its rows, and of the height that p multiplies          */
     float stretch;             /* |r_st(x) - r_st(y)| <= stretch |x - y|                                           */
     float domain[6];           /* u0, v0, uu, vv, uv, vu of ep_domain                                             */
     float volume;              /* S_u x S_v = volume * frame^T (S_s x S_t in leaf coordinates)                    */
     uint32_t patch;            /* index of the patch                                                              */
-    uint32_t depth;            /* halvings of the domain                                                          */
 } ep_leaf;
 _Static_assert(sizeof(ep_leaf) == 192, "a leaf is three cache lines");
 
@@ -77,7 +82,7 @@ typedef struct ep_fit_info {
 } ep_fit_info;
 
 /* Fits frame, prism and certificate to the part `d` of a patch. `local` is the patch's net relative to its centre
- * (ep_patch_local). Fills everything but leaf->patch and leaf->depth. With `tighten`, heights and boxes come from the
+ * (ep_patch_local). Fills everything but leaf->patch. With `tighten`, heights and boxes come from the
  * halves of the piece instead of from its own net, whose hull is looser. */
 void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, bool tighten, ep_leaf *leaf,
                  ep_fit_info *info);

@@ -10,6 +10,7 @@ import math
 import os
 import re
 import resource
+import shutil
 import signal
 import struct
 import subprocess
@@ -146,7 +147,7 @@ def test_usage():
 
 
 def test_help():
-    for args in [("--help",), ("--version",)] + [(c, o) for c in ("render", "trace", "info")
+    for args in [("--help",), ("--version",)] + [(c, o) for c in ("render", "trace", "info", "bench")
                                                 for o in ("--help", "--version")]:
         r = Run(*args)
         works(r)
@@ -482,6 +483,77 @@ def test_objects():
                                       "patches": [{"points": SADDLE["patches"][0]}]}))
     h = trace(name, [down(.5, .5)])
     check(h and h[0][4] == 0, f"a patch as an object with points: {h}")
+
+
+BENCH = ("--runs", "1", "--rays", "256", "--max-tessellation", "16")
+
+
+def test_bench():
+    """What is measured, not how fast it is."""
+    name = write("bench.json", scene(SADDLE, TRIANGLE, objects=[
+        {"geometry": "saddle"}, {"geometry": "half", "transform": [1, 0, 0, 0, 2, 0, 0, 0, 1, 3, 0, .5]}]))
+    r = Run("bench", name, "--json", *BENCH)
+    if works(r):
+        b = json.loads(r.out)
+        workloads = [k + n for k in ("primary", "random", "bounce", "occluded") for n in ("1", "16")]
+        for key in ("cpu", "cores", "isa", "compiler", "embree"):
+            check(key in b["machine"], f"bench --json: the machine has no {key}")
+        for s in [*b["tessellation"], b["patches"]]:
+            check(set(s["mrays"]) == set(workloads) and all(x > 0 for x in s["mrays"].values()), f"bench: mrays of {s}")
+            for key in ("n", "triangles", "bytes", "build_seconds", "max_position_error", "max_normal_error_degrees"):
+                check(key in s, f"bench --json: {key} is missing in {s}")
+        check([s["n"] for s in b["tessellation"]] == [8, 16], f"bench: tessellations {b['tessellation']}")
+        check([s["triangles"] for s in b["tessellation"]] == [3 * 64, 3 * 256], "bench: triangles")
+        check(set(b["limit"]["mrays"]) == set(workloads), f"bench: limit {b['limit']}")
+        coarse, fine = (s["max_position_error"] for s in b["tessellation"])
+        check(coarse > 2 * fine > 2 * b["patches"]["max_position_error"], "bench: finer is not more exact")
+        m, last = b["matched"], b["tessellation"][-1]
+        check(m["n"] == 16 and not m["as_exact"], f"bench: matched {m}")
+        for key in workloads:
+            check(close([m[key]], [b["patches"]["mrays"][key] / last["mrays"][key]]), f"bench: matched {key}")
+        for key in ("bytes", "build_seconds"):
+            check(close([m[key]], [b["patches"][key] / last[key]]), f"bench: matched {key}")
+
+    # Planes are matched at once; the table, the file and the other numbers of threads.
+    flat = write("flat.json", scene(dict(SADDLE, patches=[[[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]])))
+    r = Run("bench", flat, "--stats", "bench.stats", "--all-threads", "--workloads", "random1", *BENCH)
+    works(r)
+    check("patches / 8" in r.out.decode() and "threads:" in r.out.decode(), f"bench: {r.out.decode()}")
+    b = json.load(open("bench.stats"))
+    check(list(b["patches"]["mrays_all_threads"]) == ["random1"], "bench --all-threads --workloads")
+    r = Run("bench", name, "--table", "--workloads", "primary16", *BENCH)
+    check(works(r) and r.out.decode().count("| ---: |") == 1, f"bench --table: {r.out.decode()}")
+    r = Run("bench", "--degrees", "--json", "--runs", "1")
+    if works(r):
+        rows = json.loads(r.out)["degrees"]
+        check([d["degree"] for d in rows] == [[n, n] for n in range(2, 7)] and
+              all(d["mpixels"] > 0 and d["coverage"] == 1 for d in rows), f"bench --degrees: {rows}")
+
+    for args, pattern in [
+        ((), "SCENE is missing"),
+        ((name, "--max-tessellation", "100"), "not a power of two"),
+        ((name, "--max-tessellation", "4"), "--max-tessellation is '4'"),
+        ((name, "--runs", "0"), "--runs is '0'"),
+        ((name, "--workloads", "primary2"), "--workloads has 'primary2'"),
+        ((name, "--json", "--table"), "exclude each other"),
+        ((name, "--threads", "2", "--all-threads"), "exclude each other"),
+        ((name, "--plot", "picture.png"), "not the name of an .svg file"),
+        ((name, "--stats", "-"), "--json writes to standard output"),
+        ((name, "--degrees"), "is too much"),
+    ]:
+        refuses(Run("bench", *args), 2, pattern)
+    refuses(Run("bench", "missing.json", *BENCH), 1, r"missing\.json: cannot open")
+    refuses(Run("bench", write("empty.json", scene()), *BENCH), 1, r"empty\.json: there is nothing to measure")
+    refuses(Run("bench", name, "--scene-camera", *BENCH), 1, "there is no camera")
+    refuses(Run("bench", name, "--stats", "missing/s", "--table", *BENCH, stdout=subprocess.DEVNULL), 1, "missing/s: cannot write")
+    if shutil.which("gnuplot"):
+        refuses(Run("bench", name, "--plot", "missing/p.svg", *BENCH), 1, r"missing/p\.svg: cannot write")
+        works(Run("bench", name, "--plot", "p.svg", *BENCH))
+        check("patches" in open("p.svg").read(), "bench --plot: no word of the patches")
+    path = os.environ["PATH"]
+    os.environ["PATH"] = "."
+    refuses(Run("bench", name, "--plot", "q.svg", *BENCH), 1, r"q\.svg: .*gnuplot, which is not installed")
+    os.environ["PATH"] = path
 
 
 def main():

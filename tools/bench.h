@@ -58,14 +58,15 @@ typedef struct bench_subject {
     bench_column columns[BENCH_COLUMNS_MAX];
 } bench_subject;
 
-/* The rays of every kind, `count` each, a multiple of 16. */
+/* The rays of every kind; counts are multiples of 16. */
 typedef struct bench_rays {
     trace_ray *of[BENCH_KINDS];
-    size_t count;
+    size_t count[BENCH_KINDS];
 } bench_rays;
 
 typedef struct bench_options {
-    unsigned runs, rays, workloads; /* workloads: one bit each */
+    unsigned runs, workloads; /* workloads: one bit each                   */
+    unsigned rays;            /* of the camera; a quarter of all others     */
     unsigned threads[BENCH_COLUMNS_MAX], columns;
     unsigned max_grid;
     size_t memory; /* bytes for all tessellations together */
@@ -101,13 +102,15 @@ double bench_most(const bench_figure *f);
 bool bench_rays_new(bench_rays *r, const world *patches, const bench_options *o);
 void bench_rays_free(bench_rays *r);
 
-/* bench_trace.c: traces all rays `passes` times. */
+/* bench_trace.c: traces blocks first .. first + count - 1 of the rays, starting over where they end. */
 typedef struct bench_timing {
-    double seconds; /* of tracing alone; 0: no memory, after a message */
-    size_t hits;    /* in all passes */
+    double seconds; /* of tracing alone */
+    size_t rays, hits;
 } bench_timing;
-bench_timing bench_trace(RTCScene rtc, const bench_workload *w, const trace_ray *rays, size_t count, unsigned passes,
-                         unsigned threads);
+size_t bench_blocks(const bench_workload *w, const bench_rays *r);
+/* Adds to *t. False after a message: no memory. */
+bool bench_trace(RTCScene rtc, const bench_workload *w, const bench_rays *r, size_t first, size_t count,
+                 unsigned threads, bench_timing *t);
 
 /* bench_error.c: the largest errors of w's answers to primary and random rays. False after a message. */
 bool bench_errors(const world *w, const bench_rays *r, double diagonal, bench_subject *to);

@@ -23,6 +23,7 @@ static const double paper[DEGREES] = {87, 48, 23, 14, 9};
 /* The view: an eye over the middle of the patch, which reaches a little beyond the picture. */
 #define SIDE 512
 #define TILE 4
+#define PASSES 8
 #define EYE_HEIGHT 2.0
 #define EDGE 0.85 /* of the patch, in the picture's corner, where the height is 0 */
 
@@ -31,7 +32,8 @@ typedef struct degree {
     bool rational;
     scene *scene;
     world *world;
-    bench_figure speed;
+    bench_figure speed; /* millions of pixels a second */
+    double coverage;    /* of the pixels               */
 } degree;
 
 /* The graph of a function over [-1,1]²: hills and hollows, as many as the degree affords. */
@@ -91,19 +93,19 @@ static void fill_rays(trace_ray *r)
             }
 }
 
-static bool measure(degree *d, const trace_ray *rays, const bench_options *o)
+static bool measure(degree *d, const bench_rays *rays, const bench_options *o)
 {
     static const bench_workload picture = {"picture", BENCH_PRIMARY, 16, true, false};
-    const size_t count = SIDE * SIDE;
+    const size_t blocks = bench_blocks(&picture, rays);
     progress p;
     bool done = true;
     progress_begin(&p, "degrees", (o->runs + 1) * SUBJECTS);
     for (unsigned run = 0; run <= o->runs && done; ++run)
         for (unsigned i = 0; i < SUBJECTS && done; ++i) {
-            const unsigned passes = run ? 8 * o->threads[0] : 1;
-            const bench_timing t = bench_trace(d[i].world->rtc, &picture, rays, count, passes, o->threads[0]);
-            done = t.seconds > 0;
-            if (run && done) bench_add(&d[i].speed, 1e-6 * (double)count * passes / t.seconds);
+            bench_timing t = {0};
+            done = bench_trace(d[i].world->rtc, &picture, rays, 0, PASSES * blocks * o->threads[0], o->threads[0], &t);
+            if (run) bench_add(&d[i].speed, 1e-6 * (double)t.rays / t.seconds); /* the first one fills the caches */
+            d[i].coverage = (double)t.hits / (double)t.rays;
             progress_add(&p, 1);
         }
     progress_end(&p);
@@ -136,10 +138,9 @@ static json_t *as_json(const degree *d, const bench_options *o)
     json_t *rows = json_array();
     for (unsigned i = 0; i < DEGREES; ++i) {
         const bench_figure *p = &d[2 * i].speed, *r = &d[2 * i + 1].speed;
-        json_t *row = json_pack("{s:[i, i], s:f, s:[f, f], s:f, s:[f, f], s:f}", "degree", (int)d[2 * i].n,
-                                (int)d[2 * i].n, "mpixels", bench_median(p), "mpixels_range", bench_least(p),
-                                bench_most(p), "mpixels_rational", bench_median(r), "mpixels_rational_range",
-                                bench_least(r), bench_most(r), "mpixels_2006", paper[i]);
+        json_t *row = json_pack("{s:[i, i], s:f, s:f, s:f, s:f}", "degree", (int)d[2 * i].n, (int)d[2 * i].n, "mpixels",
+                                bench_median(p), "mpixels_rational", bench_median(r), "mpixels_2006", paper[i],
+                                "coverage", fmin(d[2 * i].coverage, d[2 * i + 1].coverage));
         if (json_array_append_new(rows, row)) return json_decref(rows), NULL;
     }
     return json_pack("{s:o, s:i, s:i, s:[i, i], s:o}", "machine", bench_machine_json(o->build.isa), "threads",
@@ -149,22 +150,23 @@ static json_t *as_json(const degree *d, const bench_options *o)
 bool bench_degrees(const bench_options *o, bench_form form)
 {
     degree d[SUBJECTS] = {0};
-    trace_ray *rays = malloc(SIDE * SIDE * sizeof *rays);
-    bool done = rays;
-    if (rays) fill_rays(rays);
+    trace_ray *picture = malloc(SIDE * SIDE * sizeof *picture);
+    const bench_rays rays = {{picture}, {SIDE * SIDE}};
+    bool done = picture;
+    if (picture) fill_rays(picture);
     else report_no_memory(NULL);
     for (unsigned i = 0; i < SUBJECTS && done; ++i) {
         d[i].n = FIRST + i / 2;
         d[i].rational = i % 2;
         done = build(&d[i], o);
     }
-    done = done && measure(d, rays, o);
+    done = done && measure(d, &rays, o);
     if (done && form == BENCH_JSON) done = stats_write("-", as_json(d, o));
     else if (done) print(d, o, form == BENCH_MARKDOWN);
     for (unsigned i = 0; i < SUBJECTS; ++i) {
         world_free(d[i].world);
         if (d[i].scene) scene_free(d[i].scene);
     }
-    free(rays);
+    free(picture);
     return done;
 }

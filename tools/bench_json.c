@@ -29,11 +29,18 @@ static json_t *speed(const bench *b, const bench_subject *s, unsigned column, un
     return json_real(bench_median(&s->columns[column].speed[w]));
 }
 
-static json_t *range(const bench *b, const bench_subject *s, unsigned column, unsigned w)
+static json_t *runs(const bench_figure *f)
+{
+    json_t *a = json_array();
+    for (unsigned i = 0; i < f->runs; ++i)
+        if (json_array_append_new(a, json_real(f->run[i]))) return json_decref(a), NULL;
+    return a;
+}
+
+static json_t *speeds(const bench *b, const bench_subject *s, unsigned column, unsigned w)
 {
     (void)b;
-    const bench_figure *f = &s->columns[column].speed[w];
-    return json_pack("[f, f]", bench_least(f), bench_most(f));
+    return runs(&s->columns[column].speed[w]);
 }
 
 static json_t *ratio(const bench *b, const bench_subject *s, unsigned column, unsigned w)
@@ -46,7 +53,7 @@ static json_t *cost(const bench *b, const bench_subject *s, unsigned column, uns
 {
     (void)column;
     const EPCounters *c = &s->cost[w];
-    const double rays = (double)b->rays.count;
+    const double rays = (double)b->rays.count[bench_workloads[w].kind];
     return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "hits", (double)s->hits[w] / rays, "visits",
                      (double)c->visits / rays, "solves", (double)c->solves / rays, "evaluations",
                      (double)c->evaluations / rays, "cells", (double)c->cells / rays, "slow", (double)c->slow / rays);
@@ -56,10 +63,10 @@ static json_t *cost(const bench *b, const bench_subject *s, unsigned column, uns
 static bool add_columns(json_t *o, const bench *b, const bench_subject *s, bool built)
 {
     bool done = stats_add(
-        o, json_pack("{s:o, s:o}", "mrays", by_workload(b, s, 0, speed), "mrays_range", by_workload(b, s, 0, range)));
+        o, json_pack("{s:o, s:o}", "mrays", by_workload(b, s, 0, speed), "mrays_runs", by_workload(b, s, 0, speeds)));
     if (b->options.columns > 1)
         done = stats_add(o, json_pack("{s:o, s:o}", "mrays_all_threads", by_workload(b, s, 1, speed),
-                                      "mrays_range_all_threads", by_workload(b, s, 1, range))) &&
+                                      "mrays_runs_all_threads", by_workload(b, s, 1, speeds))) &&
                done;
     if (b->options.columns > 1 && built)
         done =
@@ -70,10 +77,10 @@ static bool add_columns(json_t *o, const bench *b, const bench_subject *s, bool 
 static json_t *subject(const bench *b, const bench_subject *s)
 {
     const bench_figure *built = &s->columns[0].build;
-    json_t *o = json_pack("{s:i, s:I, s:I, s:f, s:[f, f], s:f, s:f}", "n", (int)s->n, "triangles",
-                          (json_int_t)s->triangles, "bytes", (json_int_t)s->bytes, "build_seconds", bench_median(built),
-                          "build_seconds_range", bench_least(built), bench_most(built), "max_position_error",
-                          s->position_error, "max_normal_error_degrees", s->normal_error);
+    json_t *o =
+        json_pack("{s:i, s:I, s:I, s:f, s:o, s:f, s:f}", "n", (int)s->n, "triangles", (json_int_t)s->triangles, "bytes",
+                  (json_int_t)s->bytes, "build_seconds", bench_median(built), "build_seconds_runs", runs(built),
+                  "max_position_error", s->position_error, "max_normal_error_degrees", s->normal_error);
     if (!add_columns(o, b, s, true)) json_decref(o), o = NULL;
     return o;
 }
@@ -113,6 +120,6 @@ json_t *bench_json(const bench *b)
         if (json_array_append_new(grids, subject(b, &b->grids[i]))) return json_decref(grids), NULL;
     return json_pack("{s:o, s:o, s:i, s:i, s:I, s:o, s:o, s:o, s:o}", "scene", stats_name(b->scene->path), "machine",
                      bench_machine_json(statistics.isa), "threads", (int)b->options.threads[0], "runs",
-                     (int)b->options.runs, "rays", (json_int_t)b->rays.count, "tessellation", grids, "patches",
-                     patches(b), "limit", limit(b), "matched", matched(b));
+                     (int)b->options.runs, "rays", (json_int_t)b->rays.count[BENCH_PRIMARY], "tessellation", grids,
+                     "patches", patches(b), "limit", limit(b), "matched", matched(b));
 }

@@ -95,7 +95,7 @@ INLINE void meet_any(void *user, unsigned primID, const int *valid, void *rays, 
 CALLBACKS(plain, )
 #ifdef __x86_64__
 CALLBACKS(avx2, __attribute__((target("avx2,fma"))))
-CALLBACKS(avx512, __attribute__((target("avx2,fma,avx512f,avx512vl,avx512dq,prefer-vector-width=512"))))
+CALLBACKS(avx512, __attribute__((target("avx2,fma,avx512f,avx512vl,avx512dq"))))
 #endif
 
 static void set_callbacks(RTCGeometry g, const char *isa)

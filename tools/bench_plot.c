@@ -6,6 +6,7 @@
  * are one point; the dotted line through it shows which tessellations it beats. gnuplot does the drawing: it gets its
  * script from a temporary file as standard input. */
 #include "tools/bench.h"
+#include "tools/machine.h"
 #include "tools/report.h"
 
 #include <errno.h>
@@ -47,10 +48,16 @@ bool bench_plot_possible(const char *path)
 
 /* One small picture: what stands over it, and the figure that it shows. */
 typedef struct panel {
-    const char *title, *format; /* of the ticks */
+    const char *title;
     double (*value)(const bench_subject *s, unsigned workload);
     const char *workload;
 } panel;
+
+/* Of a subject's hits; what is exact stands at the left end of the axis. */
+static double error_of(const bench_subject *s)
+{
+    return fmax(s->position_error, 1e-9);
+}
 
 static double speed(const bench_subject *s, unsigned w)
 {
@@ -70,12 +77,12 @@ static double milliseconds(const bench_subject *s, unsigned w)
 }
 
 static const panel panels[] = {
-    {"camera rays in packets of 16, millions a second", "%g", speed, "primary16"},
-    {"random rays in packets of 16, millions a second", "%g", speed, "random16"},
-    {"memory, MB", "%g", megabytes, NULL},
-    {"single camera rays, millions a second", "%g", speed, "primary1"},
-    {"single random rays, millions a second", "%g", speed, "random1"},
-    {"time to build, ms", "%g", milliseconds, NULL},
+    {"camera rays in packets of 16, millions a second", speed, "primary16"},
+    {"random rays in packets of 16, millions a second", speed, "random16"},
+    {"memory, MB", megabytes, NULL},
+    {"single camera rays, millions a second", speed, "primary1"},
+    {"single random rays, millions a second", speed, "random1"},
+    {"time to build, ms", milliseconds, NULL},
 };
 
 /* In single quotes, on one line. */
@@ -89,70 +96,80 @@ static void quote(FILE *f, const char *text)
     fputc('\'', f);
 }
 
-/* Range and ticks of an axis, with room for the labels at its ends. */
-static void write_axis(FILE *f, char axis, double least, double most, double room)
+/* Range and ticks of an axis: the more decades, the fewer ticks in each. */
+static void write_axis(FILE *f, char axis, double least, double most)
 {
-    const bool wide = most / least > 300;
-    least /= room, most *= room;
+    static const unsigned ticks[3][8] = {{1, 0}, {1, 2, 5, 0}, {1, 2, 3, 4, 5, 6, 8, 0}};
+    const unsigned *steps = ticks[most / least > 300 ? 0 : most / least > 20 ? 1 : 2];
     fprintf(f, "set %crange [%.9g:%.9g]\nset %ctics (", axis, least, most, axis);
     const char *comma = "";
     for (int e = (int)floor(log10(least)); e <= (int)ceil(log10(most)); ++e)
-        for (int k = 0; k < (wide ? 1 : 3); ++k) {
-            static const int step[] = {1, 2, 5};
-            fprintf(f, "%s%.9g", comma, step[k] * pow(10, e));
-            comma = ", ";
-        }
+        for (const unsigned *k = steps; *k; ++k, comma = ", ") fprintf(f, "%s%.9g", comma, *k * pow(10, e));
     fprintf(f, ")\n");
 }
 
 static void write_panel(FILE *f, const bench *b, const panel *p, unsigned w)
 {
-    const double at = b->patches.position_error, here = p->value(&b->patches, w);
+    const double at = error_of(&b->patches), here = p->value(&b->patches, w);
     double least = here, most = here;
     fprintf(f, "$grids << EOD\n");
     for (unsigned i = 0; i < b->grid_count; ++i) {
         const double y = p->value(&b->grids[i], w);
-        fprintf(f, "%.9g %.9g %u\n", b->grids[i].position_error, y, b->grids[i].n);
+        fprintf(f, "%.9g %.9g %u\n", error_of(&b->grids[i]), y, b->grids[i].n);
         least = fmin(least, y), most = fmax(most, y);
     }
-    fprintf(f, "EOD\nset title '%s'\nset format y '%s'\n", p->title, p->format);
-    write_axis(f, 'y', least, most, pow(most / least, 0.12) * 1.15);
+    fprintf(f, "EOD\nset title '%s'\n", p->title);
+    const double room = 1.15 * pow(most / least, 0.12); /* for the labels */
+    write_axis(f, 'y', least / room, most * room);
     fprintf(f,
             "$patches << EOD\n%.9g %.9g patches\nEOD\n"
             "plot %.9g with lines lc rgb '#e8590c' lw 1 dt 3, \\\n"
             "  $grids using 1:2 with linespoints lc rgb '#4c78a8' lw 1.6 pt 7 ps 0.55, \\\n"
-            "  $grids using 1:2:3 with labels tc rgb '#44586c' font ',11' offset 0,0.75, \\\n"
+            "  $grids using 1:2:3 with labels boxed tc rgb '#44586c' font ',11' offset 0,0.75, \\\n"
             "  $patches using 1:2 with points lc rgb '#e8590c' pt 7 ps 1.1, \\\n"
-            "  $patches using 1:2:3 with labels tc rgb '#c2410c' font ',13' offset 0,0.95\n",
+            "  $patches using 1:2:3 with labels tc rgb '#c2410c' font ',13' left offset 0.9,0.75\n",
             at, here, here);
+}
+
+/* Over and under the pictures. */
+static void write_captions(FILE *f, const bench *b)
+{
+    const machine m = machine_describe();
+    EPStatistics statistics;
+    char text[400];
+    epGetGeometryStatistics(b->patches.world->geometries[0], &statistics);
+    snprintf(text, sizeof text, "%.200s: exact patches, and n × n triangles a patch", b->scene->path);
+    fprintf(f, "set label 1 ");
+    quote(f, text);
+    fprintf(f, " at screen 0.012,0.965 left font ',16' noenhanced\nset label 2 ");
+    snprintf(text, sizeof text, "%s, %s, %u thread%s; Embree %s", m.cpu, statistics.isa, b->options.threads[0],
+             b->options.threads[0] == 1 ? "" : "s", m.embree);
+    quote(f, text);
+    fprintf(f, " at screen 0.988,0.965 right tc rgb '#777777' noenhanced\n"
+               "set label 3 'largest error of a hit, relative to the size of the scene' at screen 0.5,0.02 center\n");
 }
 
 static void write_script(FILE *f, const bench *b, const char *name)
 {
-    double least = b->patches.position_error, most = least;
+    double least = error_of(&b->patches), most = least;
     for (unsigned i = 0; i < b->grid_count; ++i) {
-        least = fmin(least, b->grids[i].position_error);
-        most = fmax(most, b->grids[i].position_error);
+        least = fmin(least, error_of(&b->grids[i]));
+        most = fmax(most, error_of(&b->grids[i]));
     }
     fprintf(f, "set terminal svg size 1180,640 font 'Helvetica,13' background '#ffffff'\nset output ");
     quote(f, name);
-    fprintf(f, "\nset multiplot layout 2,3 margins 0.045,0.985,0.085,0.875 spacing 0.055,0.17\n"
-               "set label 1 ");
-    char title[400];
-    snprintf(title, sizeof title, "%.200s: exact patches, and n × n triangles a patch", b->scene->path);
-    quote(f, title);
-    fprintf(f, " at screen 0.012,0.965 left font ',16' noenhanced\n"
-               "set label 2 'largest error of a hit, relative to the size of the scene' at screen 0.5,0.02 center\n"
+    fprintf(f, "\nset multiplot layout 2,3 margins 0.045,0.985,0.09,0.875 spacing 0.055,0.15\n"
+               "set style textbox opaque noborder fc rgb '#ffffff' margins 0.3,0.2\n"
                "unset key\nset border 3 lc rgb '#888888'\nset tics nomirror scale 0.5 tc rgb '#555555'\n"
                "set logscale xy\nset grid lc rgb '#e6e6e6' lt 1\nset title font ',13' offset 0,-0.4\n");
-    write_axis(f, 'x', least, most, 2);
-    fprintf(f, "set format x '10^{%%T}'\n");
+    write_captions(f, b);
+    write_axis(f, 'x', least / 4, most * 2);
+    fprintf(f, "set format x '10^{%%T}'\nset format y '%%g'\n");
     for (size_t i = 0; i < sizeof panels / sizeof *panels; ++i) {
         unsigned w = 0;
         while (panels[i].workload && strcmp(panels[i].workload, bench_workloads[w].name)) ++w;
         if (panels[i].workload && !(b->options.workloads >> w & 1)) fprintf(f, "set multiplot next\n");
-        else write_panel(f, b, &panels[i], w);
-        if (!i) fprintf(f, "unset label 1\nunset label 2\n");
+        else write_panel(f, b, &panels[i], w), fprintf(f, "unset label\n");
     }
     fprintf(f, "unset multiplot\nset output\n");
 }

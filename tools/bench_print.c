@@ -129,10 +129,9 @@ void bench_print(const bench *b, bool markdown)
     const char *gap = markdown ? "\n" : "";
     printf("%s, %zu leaves. %s, %u cores, %s; Embree %s; %s.\n%s", b->scene->path, b->patches.world->leaves, m.cpu,
            m.cores, statistics.isa, m.embree, m.compiler, gap);
-    printf("Millions of rays a second with %u thread%s: medians of %u runs over %zu rays, which differ from them by "
-           "%.1f %% on average, %.0f %% at most.\n\n",
-           b->options.threads[0], b->options.threads[0] == 1 ? "" : "s", b->options.runs, b->rays.count, 100 * mean,
-           100 * most);
+    printf("Millions of rays a second with %u thread%s: medians of %u runs, which differ from them by %.1f %% on "
+           "average, %.0f %% at most.\n\n",
+           b->options.threads[0], b->options.threads[0] == 1 ? "" : "s", b->options.runs, 100 * mean, 100 * most);
     print_column(b, 0, markdown);
     for (unsigned c = 1; c < b->options.columns; ++c) {
         printf("\nWith %u threads:\n\n", b->options.threads[c]);

@@ -13,9 +13,13 @@
 #include <math.h>
 #include <string.h>
 
-/* A measurement takes at least so long: passes over the rays are repeated. */
-#define SECONDS 0.02
+/* A measurement takes at least so long: passes over the rays are repeated. It is done in slices, between which the
+ * other subjects have their turn, and a slice starts with a block that does not count: it fills the caches again. */
+#define SECONDS 0.04
 #define PASSES_MAX 1000
+#define SLICES 4
+
+enum { SUBJECTS_MAX = BENCH_GRIDS_MAX + 2 };
 
 /* What a triangle of a grid needs while Embree builds: half a vertex and an index (18), Embree's hierarchy (66), and
  * what it sorts (32); rounded up. */
@@ -114,45 +118,54 @@ static EPCounters difference(const EPCounters *after, const EPCounters *before)
 static bool warm_up(const bench *b, bench_subject *s, unsigned workload)
 {
     const bench_workload *w = &bench_workloads[workload];
+    bench_timing t = {0};
     EPCounters before, after;
     epGetCounters(&before);
-    const bench_timing t = bench_trace(s->rtc, w, b->rays.of[w->kind], b->rays.count, 1, b->options.threads[0]);
+    if (!bench_trace(s->rtc, w, &b->rays, 0, bench_blocks(w, &b->rays), b->options.threads[0], &t)) return false;
     epGetCounters(&after);
-    if (!(t.seconds > 0)) return false;
     s->hits[workload] = t.hits;
     s->cost[workload] = difference(&after, &before);
-    s->passes[workload] = (unsigned)fmin(ceil(SECONDS / t.seconds), PASSES_MAX);
+    s->passes[workload] = (unsigned)fmin(ceil(SECONDS / fmax(t.seconds, SECONDS / PASSES_MAX)), PASSES_MAX);
     return true;
 }
 
-static bool measure(const bench *b, bench_subject *s, unsigned workload, unsigned column)
+/* One workload on all subjects, A B C ... A B C ...: one run of its figures. */
+static bool measure(const bench *b, bench_subject *const *subjects, unsigned count, unsigned workload, unsigned column)
 {
     const bench_workload *w = &bench_workloads[workload];
-    const unsigned threads = b->options.threads[column], passes = s->passes[workload] * threads;
-    const bench_timing t = bench_trace(s->rtc, w, b->rays.of[w->kind], b->rays.count, passes, threads);
-    if (!(t.seconds > 0)) return false;
-    bench_add(&s->columns[column].speed[workload], 1e-6 * (double)b->rays.count * passes / t.seconds);
+    const unsigned threads = b->options.threads[column];
+    bench_timing t[SUBJECTS_MAX] = {0}, unused;
+    for (size_t slice = 0; slice < SLICES; ++slice)
+        for (unsigned i = 0; i < count; ++i) {
+            const size_t turns = bench_blocks(w, &b->rays) * subjects[i]->passes[workload] * threads;
+            const size_t first = turns * slice / SLICES, end = turns * (slice + 1) / SLICES;
+            if (!bench_trace(subjects[i]->rtc, w, &b->rays, first, threads, threads, &unused) ||
+                !bench_trace(subjects[i]->rtc, w, &b->rays, first, end - first, threads, &t[i]))
+                return false;
+        }
+    for (unsigned i = 0; i < count; ++i)
+        bench_add(&subjects[i]->columns[column].speed[workload], 1e-6 * (double)t[i].rays / t[i].seconds);
     return true;
 }
 
 static bool trace_all(bench *b)
 {
     const bench_options *o = &b->options;
-    bench_subject *subjects[BENCH_GRIDS_MAX + 2] = {&b->patches, &b->limit};
+    bench_subject *subjects[SUBJECTS_MAX] = {&b->patches, &b->limit};
     const unsigned count = b->grid_count + 2;
     for (unsigned i = 0; i < b->grid_count; ++i) subjects[2 + i] = &b->grids[i];
 
     progress p;
     bool done = true;
-    progress_begin(&p, "trace", (size_t)(o->runs + 1) * count * BENCH_WORKLOADS);
+    progress_begin(&p, "trace", (o->runs + 1) * BENCH_WORKLOADS);
     for (unsigned run = 0; run <= o->runs && done; ++run)
-        for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w)
-            for (unsigned i = 0; i < count && done; ++i) {
-                progress_add(&p, 1);
-                if (!(o->workloads >> w & 1)) continue;
-                if (!run) done = warm_up(b, subjects[i], w);
-                for (unsigned c = 0; c < o->columns && done && run; ++c) done = measure(b, subjects[i], w, c);
+        for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
+            if (o->workloads >> w & 1) {
+                for (unsigned i = 0; i < count && done && !run; ++i) done = warm_up(b, subjects[i], w);
+                for (unsigned c = 0; c < o->columns && done && run; ++c) done = measure(b, subjects, count, w, c);
             }
+            progress_add(&p, 1);
+        }
     progress_end(&p);
     return done;
 }

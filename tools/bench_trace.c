@@ -58,45 +58,52 @@ static size_t count_hits(const void *packet, unsigned width, bool occluded)
     return hits;
 }
 
-bench_timing bench_trace(RTCScene rtc, const bench_workload *w, const trace_ray *rays, size_t count, unsigned passes,
-                         unsigned threads)
+size_t bench_blocks(const bench_workload *w, const bench_rays *r)
+{
+    return (r->count[w->kind] + BLOCK_RAYS - 1) / BLOCK_RAYS;
+}
+
+bool bench_trace(RTCScene rtc, const bench_workload *w, const bench_rays *r, size_t first, size_t count,
+                 unsigned threads, bench_timing *t)
 {
     _Alignas(64) static const int all[16] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
     const unsigned width = w->width;
     const bool occluded = w->occluded, coherent = w->coherent;
     const clockid_t clock = threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
     const size_t ray_bytes = (occluded ? RAY_FIELDS : RAYHIT_FIELDS) * sizeof(float), stride = ray_bytes * width;
-    const size_t blocks = (count + BLOCK_RAYS - 1) / BLOCK_RAYS;
+    const size_t blocks = bench_blocks(w, r), rays = r->count[w->kind];
 
     char *buffers = aligned_alloc(64, threads * BLOCK_RAYS * ray_bytes);
-    if (!buffers) {
-        report_no_memory(NULL);
-        return (bench_timing){0};
-    }
+    if (!buffers) return report_no_memory(NULL), false;
     double busy = 0;
-    size_t hits = 0;
+    size_t traced = 0, hits = 0;
     int team = 1;
-#pragma omp parallel num_threads((int)threads) reduction(+ : busy, hits)
+#pragma omp parallel num_threads((int)threads) reduction(+ : busy, traced, hits)
     {
 #pragma omp single
         team = omp_get_num_threads();
         char *buffer = buffers + (size_t)omp_get_thread_num() * BLOCK_RAYS * ray_bytes;
 #pragma omp for schedule(dynamic)
-        for (size_t turn = 0; turn < blocks * passes; ++turn) {
-            const size_t first = turn % blocks * BLOCK_RAYS;
-            const size_t packets = (count - first < BLOCK_RAYS ? count - first : BLOCK_RAYS) / width;
-            for (size_t p = 0; p < packets; ++p) pack(rays + first + p * width, width, occluded, buffer + p * stride);
+        for (size_t turn = first; turn < first + count; ++turn) {
+            const size_t start = turn % blocks * BLOCK_RAYS;
+            const size_t packets = (rays - start < BLOCK_RAYS ? rays - start : BLOCK_RAYS) / width;
+            for (size_t p = 0; p < packets; ++p)
+                pack(r->of[w->kind] + start + p * width, width, occluded, buffer + p * stride);
 
-            const double start = seconds(clock);
+            const double before = seconds(clock);
             if (occluded)
                 for (size_t p = 0; p < packets; ++p) ep_rtc_occluded(rtc, width, all, buffer + p * stride, coherent);
             else
                 for (size_t p = 0; p < packets; ++p) ep_rtc_intersect(rtc, width, all, buffer + p * stride, coherent);
-            busy += seconds(clock) - start;
+            busy += seconds(clock) - before;
 
+            traced += packets * width;
             for (size_t p = 0; p < packets; ++p) hits += count_hits(buffer + p * stride, width, occluded);
         }
     }
     free(buffers);
-    return (bench_timing){busy / team, hits};
+    t->seconds += busy / team;
+    t->rays += traced;
+    t->hits += hits;
+    return true;
 }

@@ -49,6 +49,9 @@ static bool run(const bench_command *c)
     return done;
 }
 
+/* Unless more is asked for: beyond it, building alone takes minutes. */
+#define MEMORY_DEFAULT ((size_t)4 << 30)
+
 /* Columns of threads, and memory. */
 static void settle(bench_command *c)
 {
@@ -56,7 +59,8 @@ static void settle(bench_command *c)
     o->threads[0] = c->all_threads ? 1 : trace_threads(c->threads);
     o->threads[1] = trace_threads(0);
     o->columns = c->all_threads ? 2 : 1;
-    o->memory = c->megabytes ? (size_t)c->megabytes << 20 : machine_free_memory() / 2;
+    const size_t half = machine_free_memory() / 2;
+    o->memory = c->megabytes ? (size_t)c->megabytes << 20 : half < MEMORY_DEFAULT ? half : MEMORY_DEFAULT;
 }
 
 static bool is_power_of_two(unsigned n)
@@ -69,7 +73,7 @@ int cmd_bench(int argc, char **argv)
     static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
     bench_command c = {.threads = 1,
                        .options = {.runs = 5,
-                                   .rays = 1 << 18,
+                                   .rays = 1 << 20,
                                    .workloads = (1u << BENCH_WORKLOADS) - 1,
                                    .max_grid = BENCH_LAST_GRID,
                                    .build = epDefaultBuildSettings()}};
@@ -81,7 +85,8 @@ int cmd_bench(int argc, char **argv)
         ARG_STRING("--stats", "FILE", &c.stats, "the JSON object into a file, besides the table"),
         ARG_STRING("--plot", "FILE.svg", &c.plot, "error against speed, memory and build time, drawn by\ngnuplot"),
         ARG_UNSIGNED("--runs", "N", &c.options.runs, 1, BENCH_RUNS_MAX, "runs; figures are their medians (5)"),
-        ARG_UNSIGNED("--rays", "N", &c.options.rays, 16, 1u << 28, "rays of a workload, about (262144)"),
+        ARG_UNSIGNED("--rays", "N", &c.options.rays, 16, 1u << 28,
+                     "camera rays, about; a quarter as many of the other\nkinds (1048576)"),
         ARG_SET("--workloads", "primary1,primary16,random1,random16,bounce1,bounce16,occluded1,occluded16",
                 &c.options.workloads, "only these; 1: single rays, 16: packets (all)"),
         ARG_UNSIGNED("--threads", "N", &c.threads, 0, 1024, "for building and tracing; 0: all (1)"),
@@ -89,7 +94,7 @@ int cmd_bench(int argc, char **argv)
         ARG_UNSIGNED("--max-tessellation", "N", &c.options.max_grid, BENCH_FIRST_GRID, BENCH_LAST_GRID,
                      "the finest tessellation, a power of two\n(what memory allows)"),
         ARG_UNSIGNED("--memory", "MB", &c.megabytes, 1, 1u << 30,
-                     "for all tessellations together\n(half of what is free)"),
+                     "for all tessellations together\n(half of what is free, 4096 at most)"),
         ARG_FLAG("--scene-camera", &c.options.scene_camera,
                  "the scene's camera for primary rays, not one that fills\nthe picture"),
         ARG_FLAG("--degrees", &c.degrees,

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/files.h"
 #include "tools/render.h"
 #include "tools/report.h"
 #include "tools/shim/image.h"
@@ -56,7 +57,7 @@ static double (*outline_new(const scene *s, const world *w, size_t *count))[3]
 }
 
 /* The farthest point that a ray can start from: a control point, or the eye. A model frames itself from no farther
- * than a few of its diameters. */
+ * than a few of its diameters, or 2^-15 of its distance from the origin. */
 static double farthest_origin(const scene *s, const camera *c)
 {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -73,7 +74,7 @@ static double farthest_origin(const scene *s, const camera *c)
         corner += fmax(lower[x] * lower[x], upper[x] * upper[x]);
         diameter += (upper[x] - lower[x]) * (upper[x] - lower[x]);
     }
-    if (!c) return sqrt(corner) + 8 * sqrt(diameter);
+    if (!c) return (1 + 0x1p-14) * sqrt(corner) + 8 * sqrt(diameter);
     for (int x = 0; x < 3; ++x) eye += c->eye[x] * c->eye[x];
     return sqrt(fmax(corner, eye));
 }
@@ -91,8 +92,8 @@ static bool write_stats(const render_command *c, const world *w, const render_re
     return stats_write(c->stats, o);
 }
 
-/* Draws what is left to draw once camera and light are there. */
-static bool draw(const render_command *c, const world *w, const view *v, const light *l)
+/* Renders and writes, once camera and light are there. */
+static bool draw(const render_command *c, const world *w, const view *v, const light *l, output *image)
 {
     shader s;
     film f;
@@ -104,13 +105,13 @@ static bool draw(const render_command *c, const world *w, const view *v, const l
     }
     render_result result;
     render(&s, v, c->spp, c->threads, &f, &result);
-    bool done = film_write(&f, c->image) && (!c->stats || write_stats(c, w, &result));
+    bool done = film_write(&f, image) && (!c->stats || write_stats(c, w, &result));
     film_free(&f);
     shader_free(&s);
     return done;
 }
 
-static bool frame_and_draw(const render_command *c, const scene *s, const world *w, const camera *given)
+static bool frame_and_draw(const render_command *c, const scene *s, const world *w, const camera *given, output *image)
 {
     camera cam;
     if (given) {
@@ -128,22 +129,28 @@ static bool frame_and_draw(const render_command *c, const scene *s, const world 
         return report_file(c->scene, "the camera has no direction: its eye is its target"), false;
     if (!c->panorama) light_studio(&l, &v);
     else if (!light_panorama(&l, &v, c->panorama)) return false;
-    bool done = draw(c, w, &v, &l);
+    bool done = draw(c, w, &v, &l, image);
     light_free(&l);
     return done;
 }
 
 static bool run(render_command *c)
 {
-    bool done = false;
+    output image; /* opened first: better to hear now that it cannot be written */
+    if (!output_open(&image, c->image)) return false;
     image_threads(c->threads);
+
+    bool done = false;
+    world *w = NULL;
     scene *s = scene_read(c->scene);
-    if (!s) return false;
-    const camera *given = c->has_camera ? &c->camera : s->has_camera ? &s->camera : NULL;
-    c->world.threads = c->threads;
-    c->world.ray_distance = farthest_origin(s, given);
-    world *w = world_new(s, &c->world);
-    if (w) done = frame_and_draw(c, s, w, given);
+    if (s) {
+        const camera *given = c->has_camera ? &c->camera : s->has_camera ? &s->camera : NULL;
+        c->world.threads = c->threads;
+        c->world.ray_distance = farthest_origin(s, given);
+        w = world_new(s, &c->world);
+        if (w) done = frame_and_draw(c, s, w, given, &image);
+    }
+    if (image.file) output_discard(&image); /* it did not come to writing */
     world_free(w);
     scene_free(s);
     return done;

@@ -22,6 +22,7 @@ typedef struct command {
 static const command commands[] = {
     {"render", "draws a scene or a model", cmd_render},
     {"trace", "answers a file of rays with a file of hits", cmd_trace},
+    {"bench", "measures the patches against tessellations of every density", cmd_bench},
     {"info", "tells what is in a scene, and the statistics of its hierarchy", cmd_info},
     {"verify", "holds the kernels against a slow reference, ray by ray", cmd_verify},
 };

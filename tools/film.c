@@ -2,7 +2,6 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/film.h"
-#include "tools/files.h"
 #include "tools/report.h"
 #include "tools/shim/image.h"
 #include "tools/vec.h"
@@ -75,21 +74,17 @@ bool film_suits(const char *path, unsigned layers, char *why, size_t size)
     return true;
 }
 
-bool film_write(film *f, const char *path)
+bool film_write(film *f, output *o)
 {
-    image im = {f->width, f->height, f->channels, f->names, f->pixels, image_kind_of(path, f->layers != 0)};
+    image im = {f->width, f->height, f->channels, f->names, f->pixels, image_kind_of(o->path, f->layers != 0)};
     if (im.kind == IMAGE_DISPLAY) {
         size_t count = (size_t)f->width * f->height * f->channels;
         for (size_t i = 0; i < count; ++i) f->pixels[i] = srgb(shoulder(f->pixels[i]));
     }
 
-    output o;
     char why[300];
-    if (!output_open(&o, path)) return false;
-    if (!image_write(&im, o.name, o.file, why, sizeof why)) {
-        output_discard(&o);
-        report_file(path, "cannot write: %s", why);
-        return false;
-    }
-    return output_close(&o);
+    if (image_write(&im, o->path, o->file, why, sizeof why)) return output_close(o);
+    report_file(o->path, "cannot write: %s", why);
+    output_discard(o);
+    return false;
 }

@@ -4,8 +4,7 @@
 #ifndef EPATCH_FILM_H
 #define EPATCH_FILM_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "tools/files.h"
 
 /* The layers on offer, in the order of their bits in film.layers. */
 #define FILM_LAYER_WORDS "depth,normal,uv,prim,object,iterations,slow"
@@ -46,8 +45,7 @@ static inline float *film_pixel(const film *f, unsigned x, unsigned y)
 /* Can `path` be written with these layers? A sentence in `why` when not. */
 bool film_suits(const char *path, unsigned layers, char *why, size_t size);
 
-/* Writes the image under its name once it is complete; the film's colours are encoded in place. False after a
- * message. */
-bool film_write(film *f, const char *path);
+/* Encodes the image into `o` and closes it; the film's colours are changed by that. False after a message. */
+bool film_write(film *f, output *o);
 
 #endif

@@ -9,7 +9,7 @@
 typedef struct machine {
     char cpu[80]; /* "unknown" where nobody says */
     char compiler[80];
-    char embree[24]; /* "3.13.5" */
+    char embree[32]; /* "3.13.5" */
     unsigned cores;  /* that are online */
     const char *isa; /* the best of the library's instruction sets that runs here */
 } machine;

@@ -129,13 +129,14 @@ void render(const shader *s, const view *v, unsigned spp, unsigned threads, film
     unsigned columns = (f->width + TILE - 1) / TILE, rows = (f->height + TILE - 1) / TILE;
     size_t tiles = (size_t)columns * rows;
     uint64_t camera_rays = 0, others = 0;
+    int team = threads ? (int)threads : omp_get_max_threads();
     EPCounters before;
     progress bar;
 
     double start = wall_seconds();
     epGetCounters(&before);
     progress_begin(&bar, "render", tiles);
-#pragma omp parallel for schedule(dynamic) reduction(+ : camera_rays, others) num_threads(threads ? (int)threads : omp_get_max_threads())
+#pragma omp parallel for schedule(dynamic) reduction(+ : camera_rays, others) num_threads(team)
     for (size_t tile = 0; tile < tiles; ++tile) {
         unsigned x0 = (unsigned)(tile % columns) * TILE, y0 = (unsigned)(tile / columns) * TILE;
         unsigned x1 = least(x0 + TILE, f->width), y1 = least(y0 + TILE, f->height);

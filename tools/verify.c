@@ -108,6 +108,7 @@ static void judge_all(bench *b, const world_hit *hits, bool all, size_t count, v
             judge_errors e = {0, 0, 0};
             if (!all && !memcmp(&hits[i], &b->first[i], sizeof *hits)) continue;
             b->verdicts[i] = (uint8_t)judge_hit(b, &b->rays[i], &hits[i], &e);
+            if (b->verdicts[i] != JUDGE_RIGHT) continue;
             most.t = fmax(most.t, e.t);
             most.place = fmax(most.place, e.place);
             most.degrees = fmax(most.degrees, e.degrees);

@@ -52,29 +52,22 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const ep_patch *patch, const float *
         v.live = w_and(w_le(zero, v.radius), w_lt(w_max(w_abs(v.p_s), w_abs(v.p_t)), w_set(EP_STEEP)));
         v.slow = w_andnot(w_mask(~0u), v.live);
 
-        uint32_t live = w_bits(v.live), hit = 0;
-        w_f s_root = v.s, t_root = v.t, t_hit = zero, radius = zero, ng[3] = { zero, zero, zero };
+        uint32_t live = w_bits(v.live);
         while (live) {
             const w_jet jet = w_jet_at(leaf, patch, triangle, m, n, rational, v.s, v.t, moved);
             const w_step step = w_advance(leaf, &v, triangle, &jet);
             const w_f t = v.t_plane + step.distance;
-            const w_m found = w_and(step.hit, w_and(w_lt(w_set(tnear), t), w_lt(t, w_set(tfar))));
-            hit |= w_bits(found);
-            s_root = w_select(found, step.s, s_root);
-            t_root = w_select(found, step.t, t_root);
-            t_hit = w_select(found, t, t_hit);
-            radius = w_select(found, v.radius, radius);
-            w_f n_root[3];
-            w_normal(leaf, &jet, &step, n_root);
-            for (int c = 0; c < 3; ++c) ng[c] = w_select(found, n_root[c], ng[c]);
+            const uint32_t found = w_bits(w_and(step.hit, w_and(w_lt(w_set(tnear), t), w_lt(t, w_set(tfar)))));
+            if (found) {
+                out->hit |= found << base;
+                w_store(out->t + base, found, t);
+                w_store(out->s + base, found, step.s);
+                w_store(out->r + base, found, step.t);
+                w_store(out->radius + base, found, step.radius);
+                w_put_hit(leaf, triangle, &jet, &step, out->fields + base, EP_PACKET, found);
+            }
             live = w_bits(v.live);
         }
-        out->hit |= hit << base;
         out->open |= w_bits(v.slow) << base;
-        w_store(out->t + base, hit, t_hit);
-        w_store(out->s + base, hit, s_root);
-        w_store(out->r + base, hit, t_root);
-        w_store(out->radius + base, hit, radius);
-        w_put_hit(leaf, triangle, s_root, t_root, ng, out->fields + base, EP_PACKET, hit);
     }
 }

@@ -42,6 +42,10 @@ static inline void w_store(float *p, uint32_t mask, w_f a)
     _mm256_maskstore_ps(p, _mm256_castps_si256(w_mask(mask)), a);
 }
 
+static inline void w_store_mask(int *p, uint32_t bits) { _mm256_storeu_ps((float *)p, w_mask(bits)); }
+static inline uint32_t w_load_mask(const int *p) { return w_bits(_mm256_loadu_ps((const float *)p)); }
+static inline uint32_t f4_load_mask(const int *p) { return (uint32_t)_mm_movemask_ps(_mm_loadu_ps((const float *)p)); }
+
 static inline f4 f4_set(float x) { return _mm_set1_ps(x); }
 static inline f4 f4_load3(const float *p) { return _mm_maskload_ps(p, _mm_setr_epi32(-1, -1, -1, 0)); }
 static inline f4 f4_fma(f4 a, f4 b, f4 c) { return _mm_fmadd_ps(a, b, c); }

@@ -35,6 +35,13 @@ static inline w_f w_abs(w_f a) { return _mm512_abs_ps(a); }
 static inline uint32_t w_bits(w_m m) { return m; }
 static inline w_m w_mask(uint32_t bits) { return (w_m)bits; }
 
+static inline void w_store_mask(int *p, uint32_t bits)
+{
+    _mm512_storeu_si512(p, _mm512_movm_epi32((__mmask16)bits));
+}
+static inline uint32_t w_load_mask(const int *p) { return _mm512_movepi32_mask(_mm512_loadu_si512(p)); }
+static inline uint32_t f4_load_mask(const int *p) { return (uint32_t)_mm_movemask_ps(_mm_loadu_ps((const float *)p)); }
+
 static inline f4 f4_set(float x) { return _mm_set1_ps(x); }
 static inline f4 f4_load3(const float *p) { return _mm_maskz_loadu_ps(7, p); }
 static inline f4 f4_fma(f4 a, f4 b, f4 c) { return _mm_fmadd_ps(a, b, c); }

@@ -61,6 +61,20 @@ static inline w_m w_mask(uint32_t bits)
     return (w_m){ -(int32_t)(bits & 1), -(int32_t)(bits >> 1 & 1), -(int32_t)(bits >> 2 & 1), -(int32_t)(bits >> 3 & 1) };
 }
 
+/* Masks as Embree keeps them: ints, -1 or 0. w_store_mask may write up to EP_LANES of them. */
+static inline void w_store_mask(int *p, uint32_t bits)
+{
+    const w_m m = w_mask(bits);
+    memcpy(p, &m, sizeof m);
+}
+static inline uint32_t f4_load_mask(const int *p)
+{
+    w_m m;
+    memcpy(&m, p, sizeof m);
+    return w_bits(m);
+}
+static inline uint32_t w_load_mask(const int *p) { return f4_load_mask(p); }
+
 static inline f4 f4_set(float x) { return w_set(x); }
 static inline f4 f4_load3(const float *p) { return (f4){ p[0], p[1], p[2], 0 }; }
 static inline f4 f4_fma(f4 a, f4 b, f4 c) { return w_fma(a, b, c); }

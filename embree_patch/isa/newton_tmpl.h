@@ -8,7 +8,11 @@
 /* A hit is taken once its point is within this of where the tangents were evaluated, in leaf coordinates. The point is
  * then right to rounding; the tangents, carried over by the model's second derivatives, to 2^-8 of those' range. */
 #ifndef EP_NEAR
-#define EP_NEAR 0x1p-8f
+#define EP_NEAR 0x1p-7f
+#endif
+
+#ifndef EP_INLINE
+#define EP_INLINE static inline __attribute__((always_inline))
 #endif
 
 /* A ray so nearly parallel to the leaf's plane that 1 / h(d) is mostly rounding. */
@@ -40,14 +44,20 @@ typedef struct X(jet) {
 } X(jet);
 
 typedef struct X(step) {
-    X(f) s, t, step_s, step_t, length; /* the Newton point, and the way there         */
+    X(f) s, t, step_s, step_t, length; /* the improved Newton point, and the way there */
+    X(f) curve;                        /* what the model bends over that way          */
     X(f) noise, bound, radius;         /* where the roots are about it                */
     X(m) unique, miss, shrinks, hit;
     X(f) distance;                     /* the root's t relative to the moved origin   */
 } X(step);
 
+/* Magnitudes of J^-1 and of q = J^-1 p. */
+typedef struct X(inverse) {
+    X(f) ss, st, ts, tt, q_s, q_t;
+} X(inverse);
+
 /* The nearest point of the domain, or close to it. */
-static inline void X(clamp)(int triangle, X(f) *s, X(f) *t)
+EP_INLINE void X(clamp)(int triangle, X(f) *s, X(f) *t)
 {
     const X(f) zero = X(set)(0.0f), one = X(set)(1.0f);
     *s = X(max)(*s, zero);
@@ -62,47 +72,63 @@ static inline void X(clamp)(int triangle, X(f) *s, X(f) *t)
     }
 }
 
-/* The Newton point of (v->s, v->t), whose jet is `j`, and what follows from it when F is known to within `noise_st` in
- * its rows and `noise_h` in the height. */
-static inline __attribute__((always_inline)) X(step) X(newton)(const ep_leaf *leaf, const X(visit) *v, int triangle,
-                                                               const X(jet) *j, X(f) noise_st, X(f) noise_h)
+/* max over the rows of |J^-1| (c_s, c_t)^T + |q| c_h. */
+EP_INLINE X(f) X(spread)(const X(inverse) *i, const float c[3])
+{
+    const X(f) c_s = X(set)(c[0]), c_t = X(set)(c[1]), c_h = X(set)(c[2]);
+    return X(max)(X(fma)(i->q_s, c_h, X(fma)(i->ss, c_s, i->st * c_t)),
+                  X(fma)(i->q_t, c_h, X(fma)(i->ts, c_s, i->tt * c_t)));
+}
+
+/* The improved Newton point c' of (v->s, v->t), whose jet is `j`, and what follows from it when F is known to within
+ * `noise_st` in its rows and `noise_h` in the height, and DF changes by `warp` beyond the model's second derivatives. */
+EP_INLINE X(step) X(newton)(const ep_leaf *leaf, const X(visit) *v, int triangle, const X(jet) *j, X(f) noise_st,
+                            X(f) noise_h, const float warp[3])
 {
     X(step) r;
-    const X(f) one = X(set)(1.0f);
+    const X(f) one = X(set)(1.0f), half = X(set)(0.5f);
     const X(f) f_s = X(fnma)(v->p_s, j->at.z, j->at.x), f_t = X(fnma)(v->p_t, j->at.z, j->at.y);
     const X(f) ss = X(fnma)(v->p_s, j->ds.z, j->ds.x), st = X(fnma)(v->p_s, j->dt.z, j->dt.x);
     const X(f) ts = X(fnma)(v->p_t, j->ds.z, j->ds.y), tt = X(fnma)(v->p_t, j->dt.z, j->dt.y);
     const X(f) inverse = one / X(fnma)(st, ts, ss * tt);
-    r.step_s = X(fnma)(tt, f_s, st * f_t) * inverse;
-    r.step_t = X(fnma)(ss, f_t, ts * f_s) * inverse;
+    const X(f) c_s = X(fnma)(tt, f_s, st * f_t) * inverse, c_t = X(fnma)(ss, f_t, ts * f_s) * inverse;
+
+    const X(f) half_ss = half * (c_s * c_s), both = c_s * c_t, half_tt = half * (c_t * c_t);
+    X(f) curve[3];
+    for (int c = 0; c < 3; ++c)
+        curve[c] = X(fma)(X(set)(leaf->model[3][c]), half_tt,
+                          X(fma)(X(set)(leaf->model[2][c]), both, X(set)(leaf->model[1][c]) * half_ss));
+    const X(f) v_s = X(fnma)(v->p_s, curve[2], curve[0]), v_t = X(fnma)(v->p_t, curve[2], curve[1]);
+    r.curve = curve[2];
+    r.step_s = X(fma)(X(fnma)(tt, v_s, st * v_t), inverse, c_s);
+    r.step_t = X(fma)(X(fnma)(ss, v_t, ts * v_s), inverse, c_t);
     r.s = v->s + r.step_s;
     r.t = v->t + r.step_t;
 
-    const X(f) i = X(abs)(inverse), i_ss = X(abs)(tt) * i, i_st = X(abs)(st) * i, i_ts = X(abs)(ts) * i,
-               i_tt = X(abs)(ss) * i;
-    const X(f) q_s = X(abs)(X(fnma)(st, v->p_t, tt * v->p_s)) * i, q_t = X(abs)(X(fnma)(ts, v->p_s, ss * v->p_t)) * i;
-    const X(f) bend_s = X(set)(leaf->bend_s), bend_t = X(set)(leaf->bend_t), bend_h = X(set)(leaf->bend_h);
-    const X(f) bend = X(max)(X(fma)(q_s, bend_h, X(fma)(i_ss, bend_s, i_st * bend_t)),
-                             X(fma)(q_t, bend_h, X(fma)(i_ts, bend_s, i_tt * bend_t)));
-    r.noise = X(max)(X(fma)(q_s, noise_h, (i_ss + i_st) * noise_st), X(fma)(q_t, noise_h, (i_ts + i_tt) * noise_st));
-    r.length = X(max)(X(abs)(r.step_s), X(abs)(r.step_t));
-    const X(f) twice = X(set)(2.0f) * (r.length + r.noise);
-    r.unique = X(le)(bend * v->radius, one);
-    const X(f) error = X(select)(r.unique, X(min)(v->radius, twice), v->radius);
-    r.bound = (bend * X(set)(0.5f)) * (error * error);
+    const X(f) size = X(abs)(inverse);
+    const X(inverse) i = { X(abs)(tt) * size, X(abs)(st) * size, X(abs)(ts) * size, X(abs)(ss) * size,
+                           X(abs)(X(fnma)(st, v->p_t, tt * v->p_s)) * size,
+                           X(abs)(X(fnma)(ts, v->p_s, ss * v->p_t)) * size };
+    r.noise = X(max)(X(fma)(i.q_s, noise_h, (i.ss + i.st) * noise_st), X(fma)(i.q_t, noise_h, (i.ts + i.tt) * noise_st));
+    r.length = X(max)(X(abs)(c_s), X(abs)(c_t));
+    const X(f) bend = X(spread)(&i, leaf->bend), way = r.length + r.noise, turn = bend * v->radius;
+    r.unique = X(le)(turn, one);
+    const X(f) e = X(select)(r.unique, X(min)(v->radius, X(fma)(turn, way, way)), v->radius), ge = bend * e;
+    r.bound = half * e * X(fma)(ge, ge, X(spread)(&i, warp) * e);
     const X(f) outside = triangle ? X(max)(X(max)(-r.s, -r.t), (r.s + r.t) - one)
                                   : X(max)(X(max)(-r.s, -r.t), X(max)(r.s, r.t) - one);
     const X(f) margin = X(fma)(X(set)(4.0f), r.noise, r.bound);
     /* errors add up in s + t, and in clamping to the triangle */
     r.radius = triangle ? margin + margin : margin;
     /* no root in D, or none in the neighbourhood */
-    r.miss = X(or)(X(lt)(r.radius, outside), X(lt)(v->radius + margin, r.length));
+    r.miss = X(or)(X(lt)(r.radius, outside),
+                   X(lt)(v->radius + margin, X(max)(X(abs)(r.step_s), X(abs)(r.step_t))));
     r.shrinks = X(lt)(r.radius, X(set)(0.75f) * v->radius);
     return r;
 }
 
 /* From the plane's start to the zero of the leaf's quadratic model, where that is certain to be nearer. */
-static inline void X(start)(const ep_leaf *leaf, X(visit) *v, int triangle)
+EP_INLINE void X(start)(const ep_leaf *leaf, X(visit) *v, int triangle)
 {
     const X(f) ds = v->s - X(set)(triangle ? 1.0f / 3 : 0.5f), dt = v->t - X(set)(triangle ? 1.0f / 3 : 0.5f);
     const X(f) half_ss = X(set)(0.5f) * (ds * ds), both = ds * dt, half_tt = X(set)(0.5f) * (dt * dt);
@@ -113,12 +139,13 @@ static inline void X(start)(const ep_leaf *leaf, X(visit) *v, int triangle)
         s[c] = X(fma)(st, dt, ss * ds);
         t[c] = X(fma)(tt, dt, st * ds);
     }
+    static const float exact[3] = { 0, 0, 0 };
     const X(f) one = X(set)(1.0f);
     const X(jet) j = { { at[0] + (v->s - v->plane_s), at[1] + (v->t - v->plane_t), at[2] },
                        { s[0] + one, s[1], s[2] },
                        { t[0], t[1] + one, t[2] } };
     const X(step) r = X(newton)(leaf, v, triangle, &j, X(set)(leaf->model_st) + v->rounding_st,
-                                X(set)(leaf->model_h) + v->rounding_h);
+                                X(set)(leaf->model_h) + v->rounding_h, exact);
     X(f) to_s = r.s, to_t = r.t;
     X(clamp)(triangle, &to_s, &to_t);
     v->live = X(andnot)(v->live, r.miss);
@@ -129,7 +156,7 @@ static inline void X(start)(const ep_leaf *leaf, X(visit) *v, int triangle)
 
 /* `o`, `d`: origin relative to the patch's centre (rounded) and direction, in leaf coordinates (o with, d without the
  * frame's offset). `o_sum`, `d_sum`: their sum norms in space. */
-static inline X(visit) X(enter)(const ep_leaf *leaf, int triangle, X(3) o, X(3) d, X(f) o_sum, X(f) d_sum, X(f) tnear,
+EP_INLINE X(visit) X(enter)(const ep_leaf *leaf, int triangle, X(3) o, X(3) d, X(f) o_sum, X(f) d_sum, X(f) tnear,
                                 X(f) tfar, X(m) active)
 {
     X(visit) v;
@@ -173,11 +200,11 @@ static inline X(visit) X(enter)(const ep_leaf *leaf, int triangle, X(3) o, X(3) 
 
 /* One step with the surface's own jet. Lanes that it decides leave v->live; `hit` are those with a root, at (s, t) and
  * `distance` along the ray from the moved origin. */
-static inline X(step) X(advance)(const ep_leaf *leaf, X(visit) *v, int triangle, const X(jet) *j)
+EP_INLINE X(step) X(advance)(const ep_leaf *leaf, X(visit) *v, int triangle, const X(jet) *j)
 {
-    X(step) r = X(newton)(leaf, v, triangle, j, X(set)(leaf->noise_st), X(set)(leaf->noise_h));
+    X(step) r = X(newton)(leaf, v, triangle, j, X(set)(leaf->noise_st), X(set)(leaf->noise_h), leaf->warp);
     const X(m) done = X(and)(X(and)(X(le)(r.length, X(set)(EP_NEAR)), X(le)(r.bound, r.noise)), r.unique);
-    r.distance = X(fma)(j->dt.z, r.step_t, X(fma)(j->ds.z, r.step_s, j->at.z)) * v->inverse;
+    r.distance = (X(fma)(j->dt.z, r.step_t, X(fma)(j->ds.z, r.step_s, j->at.z)) + r.curve) * v->inverse;
     r.hit = X(andnot)(X(and)(v->live, done), r.miss);
     v->live = X(andnot)(v->live, X(or)(r.miss, done));
     v->slow = X(or)(v->slow, X(andnot)(v->live, r.shrinks));
@@ -190,7 +217,7 @@ static inline X(step) X(advance)(const ep_leaf *leaf, X(visit) *v, int triangle,
 }
 
 /* Ng at the Newton point: the tangents' change over the step comes from the model's second derivatives. */
-static inline void X(normal)(const ep_leaf *leaf, const X(jet) *j, const X(step) *r, X(f) ng[3])
+EP_INLINE void X(normal)(const ep_leaf *leaf, const X(jet) *j, const X(step) *r, X(f) ng[3])
 {
     const X(f) jds[3] = { j->ds.x, j->ds.y, j->ds.z }, jdt[3] = { j->dt.x, j->dt.y, j->dt.z };
     X(f) a[3], b[3], n[3];
@@ -209,7 +236,7 @@ static inline void X(normal)(const ep_leaf *leaf, const X(jet) *j, const X(step)
 }
 
 /* Bernstein polynomials of degree n at t: binomial * ((1-t)^(n-i) * t^i). */
-static inline __attribute__((always_inline)) void X(bernstein)(unsigned n, X(f) t, X(f) complement, X(f) *b)
+EP_INLINE void X(bernstein)(unsigned n, X(f) t, X(f) complement, X(f) *b)
 {
     X(f) ps[EP_MAX_DEGREE + 1], pt[EP_MAX_DEGREE + 1];
     ps[0] = pt[0] = X(set)(1.0f);

@@ -4,8 +4,6 @@
  *
  * `kind`, `m`, `n`, `rational` are constants where a shape has a kernel of its own, so that its loops unroll. */
 
-#define EP_INLINE static inline __attribute__((always_inline))
-
 /* Four coordinates of a point, one a register; w is 1 unless the patch is rational, and then not used. */
 typedef struct w_4 {
     w_f c[4];
@@ -139,15 +137,16 @@ EP_INLINE w_jet w_jet_at(const ep_leaf *leaf, const ep_patch *patch, int triangl
     return j;
 }
 
-/* Ng = S_u x S_v into the rows of a hit packet, and u, v. */
-EP_INLINE void w_put_hit(const ep_leaf *leaf, int triangle, w_f s, w_f t, const w_f *ng, float *hit, unsigned rays,
-                         uint32_t mask)
+/* Ng and u, v of the hits in `mask` into the rows of a hit packet. */
+EP_INLINE void w_put_hit(const ep_leaf *leaf, int triangle, const w_jet *jet, const w_step *step, float *hit,
+                         unsigned rays, uint32_t mask)
 {
     const w_f zero = w_set(0.0f), one = w_set(1.0f);
-    w_f u, v;
-    w_parameters(leaf, triangle, s, t, &u, &v);
+    w_f u, v, ng[3];
+    w_parameters(leaf, triangle, step->s, step->t, &u, &v);
     u = w_min(w_max(u, zero), one);
     v = w_min(w_max(v, zero), triangle ? one - u : one);
+    w_normal(leaf, jet, step, ng);
     for (unsigned c = 0; c < 3; ++c) w_store(hit + (EP_HIT_NG + c) * rays, mask, ng[c]);
     w_store(hit + EP_HIT_U * rays, mask, u);
     w_store(hit + EP_HIT_V * rays, mask, v);
@@ -165,7 +164,7 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const 
         for (int c = 0; c < 3; ++c) {
             org[c] = w_load(ray + (EP_RAY_ORG + (unsigned)c) * rays, rays - base);
             dir[c] = w_load(ray + (EP_RAY_DIR + (unsigned)c) * rays, rays - base);
-            o[c] = org[c] - w_set(patch->centre[c]);
+            o[c] = (org[c] - w_set(patch->centre[c])) - w_set(patch->centre_low[c]);
         }
         const w_f tnear = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
         const w_f tfar = w_load(ray + EP_RAY_TFAR * rays, rays - base);
@@ -181,37 +180,66 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const 
         counters->solves += (unsigned)__builtin_popcount(live | w_bits(visit.slow));
         if (live) w_move(patch, org, dir, visit.t_plane, moved);
 
-        w_f s_root = visit.s, t_root = visit.t, t_hit = tfar, ng[3] = { tfar, tfar, tfar };
         while (live) {
             const w_jet jet = w_jet_at(leaf, patch, triangle, m, n, rational, visit.s, visit.t, moved);
             counters->evaluations += (unsigned)__builtin_popcount(live);
             const w_step step = w_advance(leaf, &visit, triangle, &jet);
             const w_f t = visit.t_plane + step.distance;
-            const w_m found = w_and(step.hit, w_and(w_lt(tnear, t), w_lt(t, tfar)));
-            hit |= w_bits(found);
-            s_root = w_select(found, step.s, s_root);
-            t_root = w_select(found, step.t, t_root);
-            t_hit = w_select(found, t, t_hit);
-            w_f n_root[3];
-            w_normal(leaf, &jet, &step, n_root);
-            for (int c = 0; c < 3; ++c) ng[c] = w_select(found, n_root[c], ng[c]);
+            const w_m within = w_and(w_lt(w_load(ray + EP_RAY_TNEAR * rays, rays - base), t),
+                                     w_lt(t, w_load(ray + EP_RAY_TFAR * rays, rays - base)));
+            const uint32_t found = w_bits(w_and(step.hit, within));
+            if (found) {
+                hit |= found;
+                w_store(t_out, found, t);
+                w_put_hit(leaf, triangle, &jet, &step, hit_out, rays, found);
+            }
             live = w_bits(visit.live);
         }
         outcome.slow |= w_bits(visit.slow) << base;
-        if (!hit) continue;
         outcome.hit |= hit << base;
-        w_store(t_out, hit, t_hit);
-        w_put_hit(leaf, triangle, s_root, t_root, ng, hit_out, rays, hit);
     }
     return outcome;
 }
 
-static void w_commit(float *rayhit, unsigned rays, uint32_t mask, const float *t, const float *hit, unsigned fields)
+/* Before a filter: `valid` gets -1 and 0, tfar becomes the candidate's and what it was goes to `before`. */
+static void w_offer(float *ray, unsigned rays, uint32_t mask, const float *t, float *before, int *valid)
+{
+    for (unsigned base = 0; base < rays; base += EP_LANES) {
+        const unsigned left = rays - base;
+        float *tfar = ray + EP_RAY_TFAR * rays + base;
+        w_store(before + base, ~0u, w_load(tfar, left));
+        w_store_mask(valid + base, mask >> base);
+        w_store(tfar, mask >> base & (uint32_t)((1ull << (left < EP_LANES ? left : EP_LANES)) - 1),
+                w_load(t + base, left));
+    }
+}
+
+/* After it: lanes of `mask` whose `valid` is no longer set get their tfar back. Returns the others. */
+static uint32_t w_settle(float *ray, unsigned rays, uint32_t mask, const float *before, const int *valid)
+{
+    uint32_t accepted = 0;
+    for (unsigned base = 0; base < rays; base += EP_LANES) accepted |= w_load_mask(valid + base) << base;
+    accepted &= mask;
+    for (unsigned base = 0; base < rays; base += EP_LANES) {
+        const uint32_t refused = (mask & ~accepted) >> base;
+        if (refused) w_store(ray + EP_RAY_TFAR * rays + base, refused, w_load(before + base, rays - base));
+    }
+    return accepted;
+}
+
+static uint32_t w_active(const int *valid, unsigned rays)
+{
+    uint32_t active = 0;
+    for (unsigned k = 0; k < rays; k += 4) active |= f4_load_mask(valid + k) << k;
+    return active;
+}
+
+/* Writes the lanes in `mask` of the hits' first `fields` rows behind the rays. */
+static void w_commit(float *rayhit, unsigned rays, uint32_t mask, const float *hit, unsigned fields)
 {
     for (unsigned base = 0; base < rays; base += EP_LANES) {
         const uint32_t lanes = mask >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
-        w_store(rayhit + EP_RAY_TFAR * rays + base, lanes, w_load(t + base, rays - base));
         for (unsigned f = 0; f < fields; ++f)
             w_store(rayhit + (EP_RAY_FIELDS + f) * rays + base, lanes, w_load(hit + f * rays + base, rays - base));
     }

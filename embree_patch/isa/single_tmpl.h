@@ -73,7 +73,8 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const ep_patch *patch, const 
     const float *dom = leaf->domain;
     const f4 org = f4_load3(ray + EP_RAY_ORG), dir = f4_load3(ray + EP_RAY_DIR);
     const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
-    const f4 centre = f4_load3(patch->centre), o = org - centre;
+    const f4 centre = f4_load3(patch->centre), centre_low = f4_load3(patch->centre_low);
+    const f4 first = org - centre, o = first - centre_low;
     const f4 frame[3] = { f4_load3(leaf->frame[0]), f4_load3(leaf->frame[1]), f4_load3(leaf->frame[2]) };
     const f4 lo = s_to_leaf(frame, o) + f4_load3(leaf->frame[3]), ld = s_to_leaf(frame, dir);
     const f4 oa = f4_abs(o), da = f4_abs(dir);
@@ -86,11 +87,11 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const ep_patch *patch, const 
     }
     ++counters->solves;
 
-    const f4 t_plane = f4_set(visit.t_plane), back = o - org;
-    const f4 lost = (org - (o - back)) - (centre + back);
+    const f4 t_plane = f4_set(visit.t_plane), back = first - org;
+    const f4 lost = (org - (first - back)) - (centre + back);
     const f4 way = t_plane * dir;
     const f4 way_lost = f4_fma(t_plane, dir, -way);
-    const f4 moved = (o + way) + ((way_lost + lost) - f4_load3(patch->centre_low));
+    const f4 moved = (first + way) + ((way_lost + lost) - centre_low);
 
     for (;;) {
         float u, v;

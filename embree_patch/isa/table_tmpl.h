@@ -58,5 +58,8 @@ const ep_kernels EP_KERNELS = {
     .packet = EP_ALL(packet),
     .single = EP_ALL(single),
     .cells = EP_ALL(cells),
+    .offer = w_offer,
+    .settle = w_settle,
+    .active = w_active,
     .commit = w_commit,
 };

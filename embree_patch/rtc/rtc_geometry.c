@@ -20,10 +20,6 @@ enum { HIT_FIELDS = 7 + RTC_MAX_INSTANCE_LEVEL_COUNT };
 #endif
 enum { HIT_PRIM = 5, HIT_GEOM = 6, HIT_INST = 7 };
 
-/* Below this many active rays, a packet goes ray by ray: the single-ray kernel costs about as much as this many lanes
- * of the packet kernel. */
-enum { SPARSE = 2 };
-
 /* One query of one leaf, intersection or occlusion; exactly one of the argument pointers is set. */
 typedef struct query {
     const struct RTCIntersectFunctionNArguments *intersect;
@@ -46,7 +42,8 @@ static void fill_row(float *hit, unsigned row, unsigned n, unsigned value)
 {
     float bits;
     memcpy(&bits, &value, sizeof bits);
-    for (unsigned i = 0; i < n; ++i) hit[row * n + i] = bits;
+    hit += row * n;
+    for (unsigned i = 0; i < n; ++i) hit[i] = bits;
 }
 
 static void fill_ids(const query *q, float *hit)
@@ -61,35 +58,45 @@ static void fill_ids(const query *q, float *hit)
     }
 }
 
+static void filter(const query *q, int *valid, candidates *c)
+{
+    const struct RTCFilterFunctionNArguments args = { valid,
+                                                      q->geometry,
+                                                      q->context,
+                                                      (struct RTCRayN *)q->ray,
+                                                      (struct RTCHitN *)c->hit,
+                                                      q->n };
+    fill_ids(q, c->hit);
+    if (q->intersect) ep_rtc_filter_intersection(q->intersect, &args);
+    else ep_rtc_filter_occlusion(q->occluded, &args);
+}
+
 /* Offers the candidates in `mask` to the filters; accepted ones become the rays' hits. Returns the accepted lanes. */
 static uint32_t offer(const query *q, uint32_t mask, candidates *c)
 {
+    const ep_kernels *kernels = q->geometry->kernels;
     alignas(64) int valid[EP_PACKET];
     alignas(64) float before[EP_PACKET];
     float *tfar = q->ray + EP_RAY_TFAR * q->n;
-    fill_ids(q, c->hit);
-    for (unsigned i = 0; i < q->n; ++i) {
-        valid[i] = mask >> i & 1 ? -1 : 0;
-        before[i] = tfar[i];
-        if (valid[i]) tfar[i] = c->t[i];
+    if (q->n == 1) {
+        valid[0] = -1;
+        before[0] = *tfar;
+        *tfar = c->t[0];
+        filter(q, valid, c);
+        if (!valid[0]) {
+            *tfar = before[0];
+            return 0;
+        }
+        if (q->intersect) memcpy(q->ray + EP_RAY_FIELDS, c->hit, HIT_FIELDS * sizeof(float));
+        else *tfar = -INFINITY;
+        return 1;
     }
-    const struct RTCFilterFunctionNArguments filter = { valid,
-                                                        q->geometry,
-                                                        q->context,
-                                                        (struct RTCRayN *)q->ray,
-                                                        (struct RTCHitN *)c->hit,
-                                                        q->n };
-    if (q->intersect) ep_rtc_filter_intersection(q->intersect, &filter);
-    else ep_rtc_filter_occlusion(q->occluded, &filter);
-    uint32_t accepted = 0;
-    for (unsigned i = 0; i < q->n; ++i) {
-        if (valid[i]) accepted |= mask & 1u << i;
-        else if (mask >> i & 1) tfar[i] = before[i];
-    }
-    if (q->intersect) q->geometry->kernels->commit(q->ray, q->n, accepted, c->t, c->hit, HIT_FIELDS);
+    kernels->offer(q->ray, q->n, mask, c->t, before, valid);
+    filter(q, valid, c);
+    const uint32_t accepted = kernels->settle(q->ray, q->n, mask, before, valid);
+    if (q->intersect) kernels->commit(q->ray, q->n, accepted, c->hit, HIT_FIELDS);
     else
-        for (unsigned i = 0; i < q->n; ++i)
-            if (accepted >> i & 1) tfar[i] = -INFINITY;
+        for (uint32_t rest = accepted; rest; rest &= rest - 1) tfar[__builtin_ctz(rest)] = -INFINITY;
     return accepted;
 }
 
@@ -122,7 +129,7 @@ typedef struct last_root {
 } last_root;
 
 /* Rounds of cells before subdivision; each looks sixteen times closer. */
-enum { CELL_ROUNDS = 3 };
+enum { CELL_ROUNDS = 5 };
 
 /* The ray between lo and hi, cell by cell in order of t; a run of undecided cells is cut into cells again. */
 static bool solve_by_cells(const query *q, unsigned lane, const float *ray, double lo, double hi, unsigned round,
@@ -172,7 +179,7 @@ static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters 
     return solve_by_subdivision(q, lane, ray, lo, hi, c);
 }
 
-/* Few rays of a packet, each by the single-ray kernel; the bits are the same. */
+/* One or two rays of a packet, each by the single-ray kernel, which is cheaper then; the bits are the same. */
 static ep_outcome run_sparse(const query *q, uint32_t active, candidates *c, EPCounters *counters)
 {
     ep_outcome all = { 0, 0 };
@@ -196,12 +203,13 @@ static void run(const query *q, int *valid)
     const ep_kernels *kernels = q->geometry->kernels;
     EPCounters *counters = ep_counters();
     candidates c;
-    uint32_t active = 0, accepted = 0;
-    for (unsigned i = 0; i < q->n; ++i) active |= (uint32_t)(valid[i] == -1) << i;
-    if (!active) return;
+    const uint32_t active = q->n == 1 ? 1 : kernels->active(valid, q->n);
+    const uint32_t beyond = active & (active - 1); /* all but the first */
+    uint32_t accepted = 0;
+    if (!valid[0] && q->n == 1) return;
     ep_outcome o;
     if (q->n == 1) o = kernels->single[q->patch->shape](q->leaf, q->patch, q->ray, 1, 1, c.t, c.hit, counters);
-    else if (__builtin_popcount(active) <= SPARSE) o = run_sparse(q, active, &c, counters);
+    else if (!(beyond & (beyond - 1))) o = run_sparse(q, active, &c, counters);
     else o = kernels->packet[q->patch->shape](q->leaf, q->patch, q->ray, q->n, active, c.t, c.hit, counters);
     if (o.hit) accepted = offer(q, o.hit, &c);
     for (uint32_t slow = o.slow; slow; slow &= slow - 1) {

@@ -8,7 +8,7 @@
 const char *const judge_names[JUDGE_VERDICTS] = {"right",   "left out",    "missed",      "extra",
                                                  "wrong t", "wrong place", "wrong normal"};
 
-const judge_limits judge_usual = {.t = 2e-5, .place = 2e-5, .degrees = 0.25};
+const judge_limits judge_usual = {.t = 2e-5, .distance = 2e-6, .place = 2e-5, .degrees = 0.25};
 
 static double length(const double a[3])
 {
@@ -23,43 +23,45 @@ static double degrees_between(const double a[3], const double b[3])
     return atan2(length(c), d) * 57.29577951308232;
 }
 
+/* The answer, held against one root that is near enough in t. */
+static judge_verdict compare(const oracle *o, const double org[3], const double dir[3], const oracle_root *r,
+                             const judge_answer *a, const judge_limits *limits, judge_errors *e)
+{
+    if (r->doubtful) return JUDGE_LEFT_OUT;
+    double p[3], apart[3];
+    oracle_evaluate(o, a->patch, a->u, a->v, p, NULL, NULL);
+    for (int c = 0; c < 3; ++c) apart[c] = p[c] - (org[c] + a->t * dir[c]);
+    e->t = fabs(a->t - r->t_low) / (fabs(a->t) + oracle_radius(o, a->patch) / length(dir));
+    e->place = length(apart) / (oracle_radius(o, a->patch) + fabs(a->t) * length(dir));
+    e->degrees = degrees_between(a->normal, r->normal);
+    if (!(e->place <= limits->place)) return JUDGE_WRONG_PLACE;
+    if (!(e->degrees <= limits->degrees)) return JUDGE_WRONG_NORMAL;
+    return JUDGE_RIGHT;
+}
+
 judge_verdict judge(const oracle *o, const double org[3], const double dir[3], const oracle_root *roots, size_t count,
                     const judge_answer *a, const judge_limits *limits, judge_errors *errors)
 {
-    const oracle_root *sure = NULL, *match = NULL;
+    const oracle_root *sure = NULL;
     for (size_t k = 0; k < count && !sure; ++k)
         if (!roots[k].doubtful) sure = &roots[k];
     if (!(a->t < INFINITY)) return sure ? JUDGE_MISSED : count ? JUDGE_LEFT_OUT : JUDGE_RIGHT;
 
-    const double slack = limits->t * fabs(a->t);
-    double off = INFINITY;
+    const double slack = limits->t * fabs(a->t) + limits->distance * oracle_radius(o, a->patch) / length(dir);
+    judge_verdict best = JUDGE_VERDICTS;
     for (size_t k = 0; k < count; ++k) {
         const oracle_root *r = &roots[k];
-        const double away = fmax(fmax(r->t_low - a->t, a->t - r->t_high), 0);
-        /* a sure root is preferred to a doubtful one that is as good */
-        if (r->patch != a->patch || away > slack || (match && !match->doubtful && r->doubtful) || away >= off) continue;
-        match = r;
-        off = away;
+        judge_errors e = {0, 0, 0};
+        if (!(r->t_low - slack <= a->t && a->t <= r->t_high + slack)) continue;
+        const judge_verdict verdict = sure && sure->t_high < r->t_low - slack
+                                          ? JUDGE_MISSED
+                                          : compare(o, org, dir, r, a, limits, &e);
+        if (verdict >= best) continue;
+        best = verdict;
+        if (errors) *errors = e;
     }
-    if (!match) {
-        if (!sure) return JUDGE_EXTRA;
-        if (fabs(a->t - sure->t_low) < 1e-2 * sure->t_low) return JUDGE_WRONG_T;
-        return a->t > sure->t_low ? JUDGE_MISSED : JUDGE_EXTRA;
-    }
-    if (sure && sure->t_high < match->t_low - slack) return JUDGE_MISSED;
-
-    double p[3], apart[3];
-    oracle_evaluate(o, a->patch, a->u, a->v, p, NULL, NULL);
-    for (int c = 0; c < 3; ++c) apart[c] = p[c] - (org[c] + a->t * dir[c]);
-    const double place = length(apart) / (oracle_radius(o, a->patch) + fabs(a->t) * length(dir));
-    if (!(place <= limits->place)) return JUDGE_WRONG_PLACE;
-    if (match->doubtful) return JUDGE_LEFT_OUT;
-    const double degrees = degrees_between(a->normal, match->normal);
-    if (!(degrees <= limits->degrees)) return JUDGE_WRONG_NORMAL;
-    if (errors) {
-        errors->t = fabs(a->t - match->t_low) / fabs(a->t);
-        errors->place = place;
-        errors->degrees = degrees;
-    }
-    return JUDGE_RIGHT;
+    if (best < JUDGE_VERDICTS) return best;
+    if (!sure) return JUDGE_EXTRA;
+    if (fabs(a->t - sure->t_low) < 1e-2 * sure->t_low) return JUDGE_WRONG_T;
+    return a->t > sure->t_low ? JUDGE_MISSED : JUDGE_EXTRA;
 }

@@ -29,18 +29,19 @@ typedef enum judge_verdict {
 
 /* What an answer may be off by. */
 typedef struct judge_limits {
-    double t;      /* relative to t                             */
-    double place;  /* of u, v in space, relative to the patch's radius and to t |d| */
-    double degrees; /* of the normal                             */
+    double t, distance; /* t by this, relative, plus this of the patch's radius in space  */
+    double place;       /* of u, v in space, relative to the patch's radius and to t |d| */
+    double degrees;     /* of the normal                                                  */
 } judge_limits;
 
-extern const judge_limits judge_usual; /* 2e-5, 2e-5, 0.25 */
+extern const judge_limits judge_usual; /* 2e-5, 2e-6, 2e-5, 0.25 */
 
 typedef struct judge_errors {
-    double t, place, degrees;
+    double t; /* relative to t plus the patch's radius */
+    double place, degrees;
 } judge_errors;
 
-/* `roots` are those of oracle_intersect for the ray. `errors` of a right answer; untouched otherwise; may be NULL. */
+/* `roots` are those of oracle_intersect for the ray. `errors`, which may be NULL, are set when a root is near. */
 judge_verdict judge(const oracle *o, const double org[3], const double dir[3], const oracle_root *roots, size_t count,
                     const judge_answer *answer, const judge_limits *limits, judge_errors *errors);
 

@@ -323,12 +323,21 @@ static oracle_root root_at(const query *q, double u, double v)
     return r;
 }
 
+/* A ray is in the band of a round silhouette for sqrt(2 ORACLE_NEAR) of its radius, of a flatter one for longer. */
+static void widen(const query *q, oracle_root *r)
+{
+    const double band = 5 * sqrt(ORACLE_NEAR) * q->patch->radius / sqrt(dot(q->dir, q->dir));
+    r->t_low -= band;
+    r->t_high += band;
+}
+
 static void add_found(query *q, double u, double v, double t)
 {
     oracle_root r = root_at(q, u, v);
     const double near_end = 1e-5 * (fabs(t) + q->patch->radius / sqrt(dot(q->dir, q->dir)));
     if (r.border < -ORACLE_BORDER || t <= q->tnear - near_end || t >= q->tfar + near_end) return;
     r.t_low = r.t_high = t;
+    if (r.cosine < ORACLE_TANGENT) widen(q, &r);
     r.doubtful = r.border < ORACLE_BORDER || r.cosine < ORACLE_TANGENT || t < q->tnear + near_end ||
                  t > q->tfar - near_end;
     add_root(q, &r);
@@ -341,6 +350,7 @@ static void add_undecided(query *q, const net_part *part, range t)
     r.t_low = t.low;
     r.t_high = t.high;
     r.doubtful = true;
+    widen(q, &r);
     if (r.t_high > q->tnear && r.t_low < q->tfar) add_root(q, &r);
 }
 
@@ -436,9 +446,9 @@ static bool newton(net_shape s, const net_point *net, double *a, double *b, doub
         *b += db;
         *t = p[2] / p[3];
         if (!(fabs(*a - 0.5) < 2 && fabs(*b - 0.5) < 2)) return false;
-        if (fabs(da) + fabs(db) < 1e-14) return border_of(s, *a, *b) >= -newton_slack;
+        if (fabs(da) + fabs(db) < 1e-13) return border_of(s, *a, *b) >= -newton_slack;
     }
-    return border_of(s, *a, *b) >= -newton_slack;
+    return false;
 }
 
 static range t_range(const query *q, const net_point *net, size_t count)

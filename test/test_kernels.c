@@ -1,0 +1,218 @@
+/* test_kernels.c - do all instruction sets and both kinds of kernel give the same bits?
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * "plain" is the specification. Whether it is right is asked by test_hits.c; here a tolerance would sleep through a
+ * multiply-add that is not fused. */
+#include "embree_patch/solve.h"
+#include "test/support.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Rays as they come: most of them at the leaf, one in eight of the sort that breaks things. */
+static void fill(const oracle *o, const ep_patch *patch, rng *r, test_packet *p, unsigned n, uint32_t *active)
+{
+    *active = 0;
+    for (unsigned i = 0; i < n; ++i) {
+        float org[3], dir[3], tnear = 0, tfar = INFINITY;
+        aim(o, (aim_kind)rng_below(r, AIM_KINDS), r, org, dir);
+        if (rng_below(r, 4) == 0) {
+            const float reach = 3 * patch->radius / fmaxf(fabsf(dir[0]) + fabsf(dir[1]) + fabsf(dir[2]), 1e-30f);
+            tnear = (float)rng_in(r, 0, reach);
+            tfar = tnear + (float)rng_in(r, 0, reach);
+        }
+        const unsigned c = rng_below(r, 3);
+        switch (rng_below(r, 80)) {
+        case 0: org[c] = NAN; break;
+        case 1: dir[c] = NAN; break;
+        case 2: org[c] = INFINITY; break;
+        case 3: dir[c] = -INFINITY; break;
+        case 4: dir[0] = dir[1] = dir[2] = 0; break;
+        case 5: org[c] = 1e30f; break;
+        case 6: dir[0] *= 1e-38f, dir[1] *= 1e-38f, dir[2] *= 1e-38f; break;
+        case 7: tfar = NAN; break;
+        case 8: tnear = tfar; break;
+        case 9: org[0] *= 1e4f, org[1] *= 1e4f, org[2] *= 1e4f; break;
+        }
+        set_ray(p, n, i, org, dir, tnear, tfar);
+        if (rng_below(r, 8)) *active |= 1u << i; /* idle lanes must stay idle */
+    }
+}
+
+typedef struct answer {
+    ep_outcome o;
+    alignas(64) float t[EP_PACKET], hit[5 * EP_PACKET];
+} answer;
+
+static answer run_packet(const ep_kernels *k, const ep_leaf *leaf, const ep_patch *patch, const test_packet *p, unsigned n,
+                         uint32_t active)
+{
+    EPCounters counters = {0};
+    answer a;
+    memset(&a, 0x5a, sizeof a);
+    a.o = k->packet[patch->shape](leaf, patch, p->f, n, active, a.t, a.hit, &counters);
+    return a;
+}
+
+/* Lane by lane, into the places of a packet of n. */
+static answer run_single(const ep_kernels *k, const ep_leaf *leaf, const ep_patch *patch, const test_packet *p, unsigned n,
+                         uint32_t active)
+{
+    EPCounters counters = {0};
+    answer a;
+    memset(&a, 0x5a, sizeof a);
+    a.o = (ep_outcome){0, 0};
+    for (unsigned i = 0; i < n; ++i) {
+        if (!(active >> i & 1)) continue;
+        float ray[EP_RAY_FIELDS], t, hit[5];
+        for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = p->f[f * n + i];
+        const ep_outcome o = k->single[patch->shape](leaf, patch, ray, 1, 1, &t, hit, &counters);
+        a.o.hit |= (o.hit & 1) << i;
+        a.o.slow |= (o.slow & 1) << i;
+        if (!(o.hit & 1)) continue;
+        a.t[i] = t;
+        for (unsigned f = 0; f < 5; ++f) a.hit[f * n + i] = hit[f];
+    }
+    return a;
+}
+
+static void same(const answer *a, const answer *b, unsigned n, uint32_t active, const char *what, const char *where)
+{
+    CHECK(a->o.hit == b->o.hit && a->o.slow == b->o.slow, "%s: %s: hit %x %x, slow %x %x", where, what, a->o.hit, b->o.hit,
+          a->o.slow, b->o.slow);
+    CHECK(!(a->o.hit & ~active) && !(a->o.slow & ~active) && !(a->o.hit & a->o.slow), "%s: %s: active %x, hit %x, slow %x",
+          where, what, active, a->o.hit, a->o.slow);
+    for (unsigned i = 0; i < n; ++i) {
+        if (!(a->o.hit >> i & 1)) continue;
+        CHECK(!memcmp(&a->t[i], &b->t[i], 4), "%s: %s: lane %u: t %a and %a", where, what, i, a->t[i], b->t[i]);
+        for (unsigned f = 0; f < 5; ++f)
+            CHECK(!memcmp(&a->hit[f * n + i], &b->hit[f * n + i], 4), "%s: %s: lane %u, field %u: %a and %a", where, what, i,
+                  f, a->hit[f * n + i], b->hit[f * n + i]);
+    }
+}
+
+/* Degrees whose shape is `special` of 0..4, where 0 is what has no kernel of its own. */
+static void shape_patch(rng *r, bool triangle, bool rational, unsigned special, test_patch *p)
+{
+    const patch_style style = rng_below(r, 3) ? STYLE_GENTLE : (patch_style)rng_below(r, STYLES);
+    do random_patch(r, style, triangle, (patch_limits){special ? special : 8, rational ? 20 : 1}, p);
+    while (special ? p->shape.m != special || p->shape.n != special
+                   : p->shape.m == p->shape.n && p->shape.m <= EP_SPECIAL_DEGREES);
+}
+
+static void same_bits(void **state)
+{
+    (void)state;
+    size_t lanes = 0, hits = 0, slow = 0;
+    for (unsigned shape = 0; shape < EP_SHAPES; ++shape)
+        for (uint64_t k = 0; k < 40; ++k) {
+            rng r = rng_split(1, shape, k);
+            const unsigned special = shape % (EP_SPECIAL_DEGREES + 1), kind = shape / (EP_SPECIAL_DEGREES + 1);
+            test_patch p;
+            shape_patch(&r, kind / 2, kind % 2, special, &p);
+            EPBuildSettings settings = epDefaultBuildSettings();
+            settings.maxDepth = rng_below(&r, 6);
+            EPGeometry g = new_geometry(&p, 1, &settings);
+            oracle *o = new_oracle(&p, 1);
+            const ep_patch *patch = &g->hierarchy.patches[0];
+            CHECK(patch->shape == shape, "shape %u, patch %d", shape, (int)k);
+            for (int packet = 0; packet < 40; ++packet) {
+                static const unsigned widths[] = {4, 8, 16};
+                const unsigned n = widths[rng_below(&r, 3)];
+                const ep_leaf *leaf = &g->hierarchy.leaves[rng_below(&r, (unsigned)g->hierarchy.leaf_count)];
+                test_packet rays;
+                uint32_t active;
+                fill(o, patch, &r, &rays, n, &active);
+                const answer want = run_packet(&ep_kernels_plain, leaf, patch, &rays, n, active);
+                char where[80];
+                snprintf(where, sizeof where, "shape %u, patch %d, packet %d of %u", shape, (int)k, packet, n);
+                for (const char *const *isa = epGetInstructionSets(); *isa; ++isa) {
+                    const ep_kernels *kernels = ep_find_kernels(*isa);
+                    const answer many = run_packet(kernels, leaf, patch, &rays, n, active);
+                    same(&want, &many, n, active, *isa, where);
+                    const answer one = run_single(kernels, leaf, patch, &rays, n, active);
+                    same(&want, &one, n, active, "single ray", where);
+                }
+                lanes += (unsigned)__builtin_popcount(active);
+                hits += (unsigned)__builtin_popcount(want.o.hit);
+                slow += (unsigned)__builtin_popcount(want.o.slow);
+            }
+            oracle_free(o);
+            epReleaseGeometry(g);
+        }
+    /* kernels that answer nothing must not pass */
+    CHECK(hits > lanes / 20 && slow < lanes / 2, "%zu lanes, %zu hits, %zu slow", lanes, hits, slow);
+}
+
+/* The cells of nearly tangent rays. */
+static void same_bits_of_cells(void **state)
+{
+    (void)state;
+    size_t hits = 0;
+    for (unsigned shape = 0; shape < EP_SHAPES; ++shape)
+        for (uint64_t k = 0; k < 20; ++k) {
+            rng r = rng_split(2, shape, k);
+            const unsigned special = shape % (EP_SPECIAL_DEGREES + 1), kind = shape / (EP_SPECIAL_DEGREES + 1);
+            test_patch p;
+            shape_patch(&r, kind / 2, kind % 2, special, &p);
+            EPBuildSettings settings = epDefaultBuildSettings();
+            settings.maxDepth = rng_below(&r, 6);
+            EPGeometry g = new_geometry(&p, 1, &settings);
+            oracle *o = new_oracle(&p, 1);
+            const ep_patch *patch = &g->hierarchy.patches[0];
+            for (int i = 0; i < 30; ++i) {
+                const ep_leaf *leaf = &g->hierarchy.leaves[rng_below(&r, (unsigned)g->hierarchy.leaf_count)];
+                test_packet ray;
+                float org[3], dir[3];
+                aim(o, AIM_GRAZING, &r, org, dir);
+                set_ray(&ray, 1, 0, org, dir, 0, INFINITY);
+                double lo = 0, hi = INFINITY;
+                if (!(leaf->height < INFINITY) || !ep_clip(patch, leaf, org, dir, &lo, &hi)) continue;
+                ep_cells want, got;
+                memset(&want, 0, sizeof want);
+                ep_kernels_plain.cells[shape](leaf, patch, ray.f, lo, hi, &want);
+                for (const char *const *isa = epGetInstructionSets(); *isa; ++isa) {
+                    memset(&got, 0, sizeof got);
+                    ep_find_kernels(*isa)->cells[shape](leaf, patch, ray.f, lo, hi, &got);
+                    CHECK(want.hit == got.hit && want.open == got.open, "shape %u, patch %d, ray %d: %s: hit %x %x, open %x %x",
+                          shape, (int)k, i, *isa, want.hit, got.hit, want.open, got.open);
+                    for (unsigned c = 0; c < EP_PACKET; ++c) {
+                        if (!(want.hit >> c & 1)) continue;
+                        CHECK(!memcmp(&want.t[c], &got.t[c], 4), "shape %u, patch %d, ray %d: %s: cell %u: t %a and %a",
+                              shape, (int)k, i, *isa, c, want.t[c], got.t[c]);
+                        for (unsigned f = 0; f < 5; ++f)
+                            CHECK(!memcmp(&want.fields[f * EP_PACKET + c], &got.fields[f * EP_PACKET + c], 4),
+                                  "shape %u, patch %d, ray %d: %s: cell %u, field %u", shape, (int)k, i, *isa, c, f);
+                    }
+                }
+                hits += want.hit != 0;
+            }
+            oracle_free(o);
+            epReleaseGeometry(g);
+        }
+    assert_true(hits > 100);
+}
+
+static void names(void **state)
+{
+    (void)state;
+    assert_null(ep_find_kernels("abacus"));
+    assert_string_equal(epGetInstructionSets()[0], "plain");
+    const char *best = NULL;
+    for (const char *const *isa = epGetInstructionSets(); *isa; ++isa) {
+        assert_string_equal(ep_find_kernels(*isa)->isa, *isa);
+        best = *isa;
+    }
+    assert_string_equal(ep_find_kernels(NULL)->isa, best);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(same_bits),
+        cmocka_unit_test(same_bits_of_cells),
+        cmocka_unit_test(names),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
