@@ -11,11 +11,11 @@ typedef struct tally {
 } tally;
 
 static void explain(const hits_case *c, int index, const test_patch *p, const float org[3], const float dir[3],
-                    const char *what, const judge_answer *a, const oracle_root *roots, size_t count)
+                    const char *what, const judge_answer *a, float t_in_packet, const oracle_root *roots, size_t count)
 {
-    print_error("seed %d, patch %d (%s of degree %u %u): %s: %s\n    answer  t %.9g u %.9g v %.9g\n", (int)c->seed, index,
+    print_error("seed %d, patch %d (%s of degree %u %u): %s: %s\n    answer  t %.9g u %.9g v %.9g, in a packet t %.9g\n", (int)c->seed, index,
                 p->shape.triangle ? "triangle" : "tensor", p->shape.m, p->shape.n, what, ray_text(org, dir), a->t, a->u,
-                a->v);
+                a->v, t_in_packet);
     for (size_t k = 0; k < count && k < 4; ++k)
         print_error("    %s t %.12g u %.12g v %.12g cosine %.2g border %.2g\n", roots[k].doubtful ? "perhaps" : "root   ",
                     roots[k].t_low, roots[k].u, roots[k].v, roots[k].cosine, roots[k].border);
@@ -67,7 +67,8 @@ static void judge_packet(const hits_case *c, int index, const test_patch *p, con
         t->left_out += v == JUDGE_LEFT_OUT;
         if (v < JUDGE_MISSED && same) continue;
         if (++t->faults <= 5)
-            explain(c, index, p, org[i], dir[i], same ? judge_names[v] : "other bits in a packet", &a, roots, count);
+            explain(c, index, p, org[i], dir[i], same ? judge_names[v] : "other bits in a packet", &a, many.f[EP_RAY_TFAR * 16 + i],
+                    roots, count);
     }
 }
 

@@ -518,11 +518,12 @@ def test_bench():
     flat = write("flat.json", scene(dict(SADDLE, patches=[[[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]])))
     r = Run("bench", flat, "--stats", "bench.stats", "--all-threads", "--workloads", "random1", *BENCH)
     works(r)
-    check("patches / 8" in r.out.decode() and "threads:" in r.out.decode(), f"bench: {r.out.decode()}")
+    check("\npatches / 8×8 " in r.out.decode() and "threads:" in r.out.decode(), f"bench: {r.out.decode()}")
     b = json.load(open("bench.stats"))
+    check(b["matched"]["n"] == 8 and b["matched"]["as_exact"], f"bench: matched {b['matched']}")
     check(list(b["patches"]["mrays_all_threads"]) == ["random1"], "bench --all-threads --workloads")
     r = Run("bench", name, "--table", "--workloads", "primary16", *BENCH)
-    check(works(r) and r.out.decode().count("| ---: |") == 1, f"bench --table: {r.out.decode()}")
+    check(works(r) and "| --- | ---: |" in r.out.decode(), f"bench --table: {r.out.decode()}")
     r = Run("bench", "--degrees", "--json", "--runs", "1")
     if works(r):
         rows = json.loads(r.out)["degrees"]

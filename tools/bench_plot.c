@@ -53,12 +53,6 @@ typedef struct panel {
     const char *workload;
 } panel;
 
-/* Of a subject's hits; what is exact stands at the left end of the axis. */
-static double error_of(const bench_subject *s)
-{
-    return fmax(s->position_error, 1e-9);
-}
-
 static double speed(const bench_subject *s, unsigned w)
 {
     return bench_median(&s->columns[0].speed[w]);
@@ -110,12 +104,12 @@ static void write_axis(FILE *f, char axis, double least, double most)
 
 static void write_panel(FILE *f, const bench *b, const panel *p, unsigned w)
 {
-    const double at = error_of(&b->patches), here = p->value(&b->patches, w);
+    const double at = b->patches.position_error, here = p->value(&b->patches, w);
     double least = here, most = here;
     fprintf(f, "$grids << EOD\n");
     for (unsigned i = 0; i < b->grid_count; ++i) {
         const double y = p->value(&b->grids[i], w);
-        fprintf(f, "%.9g %.9g %u\n", error_of(&b->grids[i]), y, b->grids[i].n);
+        fprintf(f, "%.9g %.9g %u\n", b->grids[i].position_error, y, b->grids[i].n);
         least = fmin(least, y), most = fmax(most, y);
     }
     fprintf(f, "EOD\nset title '%s'\n", p->title);
@@ -151,10 +145,10 @@ static void write_captions(FILE *f, const bench *b)
 
 static void write_script(FILE *f, const bench *b, const char *name)
 {
-    double least = error_of(&b->patches), most = least;
+    double least = b->patches.position_error, most = least;
     for (unsigned i = 0; i < b->grid_count; ++i) {
-        least = fmin(least, error_of(&b->grids[i]));
-        most = fmax(most, error_of(&b->grids[i]));
+        least = fmin(least, b->grids[i].position_error);
+        most = fmax(most, b->grids[i].position_error);
     }
     fprintf(f, "set terminal svg size 1180,640 font 'Helvetica,13' background '#ffffff'\nset output ");
     quote(f, name);

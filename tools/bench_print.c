@@ -17,7 +17,8 @@ static void cell_speed(table *t, double x)
 static void cell_bytes(table *t, size_t bytes)
 {
     const double mb = (double)bytes / 1e6;
-    if (mb < 9.995) table_cell(t, "%.2f MB", mb);
+    if (mb < 0.1) table_cell(t, "%.1f kB", 1e3 * mb);
+    else if (mb < 9.995) table_cell(t, "%.2f MB", mb);
     else if (mb < 9995) table_cell(t, "%.0f MB", mb);
     else table_cell(t, "%.1f GB", mb / 1e3);
 }
@@ -31,7 +32,8 @@ static void cell_seconds(table *t, double s)
 /* What is better when it is less: 1/300 rather than 0.0033. */
 static void cell_part(table *t, double ratio)
 {
-    if (ratio >= 0.1) table_cell(t, "%.2f", ratio);
+    if (!(ratio < (double)INFINITY)) table_cell(t, "%s", "");
+    else if (ratio >= 0.1) table_cell(t, "%.2f", ratio);
     else table_cell(t, "1/%.0f", 1 / ratio);
 }
 
@@ -57,7 +59,7 @@ static void row(table *t, const bench *b, const bench_subject *s, unsigned colum
     if (s != &b->limit) {
         if (!column) {
             table_cell(t, "%.1e", s->position_error);
-            table_cell(t, s->normal_error < 0.0995 ? "%.3f°" : "%.2f°", s->normal_error);
+            table_cell(t, "%.2g°", s->normal_error);
             cell_bytes(t, s->bytes);
         }
         cell_seconds(t, bench_median(&s->columns[column].build));
@@ -129,9 +131,11 @@ void bench_print(const bench *b, bool markdown)
     const char *gap = markdown ? "\n" : "";
     printf("%s, %zu leaves. %s, %u cores, %s; Embree %s; %s.\n%s", b->scene->path, b->patches.world->leaves, m.cpu,
            m.cores, statistics.isa, m.embree, m.compiler, gap);
-    printf("Millions of rays a second with %u thread%s: medians of %u runs, which differ from them by %.1f %% on "
-           "average, %.0f %% at most.\n\n",
-           b->options.threads[0], b->options.threads[0] == 1 ? "" : "s", b->options.runs, 100 * mean, 100 * most);
+    printf("Millions of rays a second, %u thread%s", b->options.threads[0], b->options.threads[0] == 1 ? "" : "s");
+    if (b->options.runs == 1) printf(", one run.\n\n");
+    else
+        printf("; medians of %u runs, which differ from them by %.1f %% on average, %.0f %% at most.\n\n",
+               b->options.runs, 100 * mean, 100 * most);
     print_column(b, 0, markdown);
     for (unsigned c = 1; c < b->options.columns; ++c) {
         printf("\nWith %u threads:\n\n", b->options.threads[c]);

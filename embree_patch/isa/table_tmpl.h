@@ -36,12 +36,18 @@
         w_cells(leaf, patch, ray, lo, hi, out, triangle, m, n, rational);                                              \
     }
 
+#if EP_ANY_DEGREE
+#define EP_DEGREES(name, triangle, rational) EP_SHAPE(name##_any, triangle, patch->degree_u, patch->degree_v, rational)
+#define EP_ROW(p, name) p##_##name##_any, p##_##name##_any, p##_##name##_any, p##_##name##_any, p##_##name##_any
+#else
 #define EP_DEGREES(name, triangle, rational)                                                                           \
-    EP_SHAPE(name##_any, triangle, patch->degree_u, patch->degree_v, rational)                                          \
-    EP_SHAPE(name##_1, triangle, 1, 1, rational)                                                                        \
-    EP_SHAPE(name##_2, triangle, 2, 2, rational)                                                                        \
-    EP_SHAPE(name##_3, triangle, 3, 3, rational)                                                                        \
+    EP_SHAPE(name##_any, triangle, patch->degree_u, patch->degree_v, rational)                                         \
+    EP_SHAPE(name##_1, triangle, 1, 1, rational)                                                                       \
+    EP_SHAPE(name##_2, triangle, 2, 2, rational)                                                                       \
+    EP_SHAPE(name##_3, triangle, 3, 3, rational)                                                                       \
     EP_SHAPE(name##_4, triangle, 4, 4, rational)
+#define EP_ROW(p, name) p##_##name##_any, p##_##name##_1, p##_##name##_2, p##_##name##_3, p##_##name##_4
+#endif
 
 EP_DEGREES(tensor, 0, 0)
 EP_DEGREES(tensor_rational, 0, 1)
@@ -49,7 +55,6 @@ EP_DEGREES(triangle, 1, 0)
 EP_DEGREES(triangle_rational, 1, 1)
 
 /* In the order of ep_shape. */
-#define EP_ROW(p, name) p##_##name##_any, p##_##name##_1, p##_##name##_2, p##_##name##_3, p##_##name##_4
 #define EP_ALL(p) { EP_ROW(p, tensor), EP_ROW(p, tensor_rational), EP_ROW(p, triangle), EP_ROW(p, triangle_rational) }
 
 const ep_kernels EP_KERNELS = {

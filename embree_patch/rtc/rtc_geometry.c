@@ -168,8 +168,10 @@ static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters 
 {
     float ray[EP_RAY_FIELDS];
     for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = q->ray[f * q->n + lane];
-    double lo = ray[EP_RAY_TNEAR], hi = ray[EP_RAY_TFAR];
+    /* The cells do not depend on tnear and tfar, or the bits would on what else the ray has met before. */
+    double lo = -INFINITY, hi = INFINITY;
     if (!ep_clip(q->patch, q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, &lo, &hi)) return false;
+    if (!(lo <= ray[EP_RAY_TFAR] && hi >= ray[EP_RAY_TNEAR])) return false;
     if (q->leaf->height < INFINITY) {
         last_root last = { 0 };
         ++counters->cells;

@@ -58,13 +58,13 @@ static void within(const box *b, rng *r, double p[3])
     for (int c = 0; c < 3; ++c) p[c] = b->centre[c] + rng_in(r, -1, 1) * b->half[c];
 }
 
-/* From a to b as floats see them, now and then with a direction of another length. */
+/* From a, as floats see it, to b; now and then with a direction of another length. */
 static void between(rng *r, const double a[3], const double b[3], float org[3], float dir[3])
 {
     const double length = rng_below(r, 4) ? 1 : rng_scale(r, 1e-2, 1e2);
     for (int c = 0; c < 3; ++c) {
         org[c] = (float)a[c];
-        dir[c] = (float)(length * ((double)(float)b[c] - org[c]));
+        dir[c] = (float)(length * (b[c] - org[c]));
     }
 }
 
