@@ -21,7 +21,7 @@ enum { EP_HIT_NG = 0, EP_HIT_U = 3, EP_HIT_V = 4 };
 
 /* One bit a lane. A lane in neither set is certified to miss the leaf within (tnear, tfar). */
 typedef struct ep_outcome {
-    uint32_t hit;  /* t[] and hit[] hold the leaf's only root in (tnear, tfar) */
+    uint32_t hit;  /* t[] and hit[] hold the leaf's only root in (tnear, tfar] */
     uint32_t slow; /* undecided: ask ep_solve                                  */
 } ep_outcome;
 

@@ -333,3 +333,38 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     normal(patch, leaf, root->u, root->v, root->ng);
     return true;
 }
+
+bool ep_refine(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5])
+{
+    line l;
+    if (!make_line(patch, org, dir, &l)) return true;
+    const ep_vec3 centre = ep_v3((double)patch->centre[0] + patch->centre_low[0],
+                                 (double)patch->centre[1] + patch->centre_low[1],
+                                 (double)patch->centre[2] + patch->centre_low[2]);
+    double u = field[3], v = field[4], k = *t - l.t0;
+    for (int i = 0; i < 4; ++i) {
+        ep_jet jet;
+        ep_kinds[patch->kind].eval(patch->points, patch->degree_u, patch->degree_v, u, v, &jet);
+        const ep_frame f = ep_project(&jet);
+        const ep_vec3 r = ep_sub(ep_sub(f.p, centre), ep_add(l.o, ep_scale(k, l.d)));
+        const ep_vec3 n = ep_cross(f.pu, f.pv);
+        const double det = ep_dot(n, l.d); /* r + f.pu du + f.pv dv = d dk, by Cramer's rule */
+        const double dk = ep_dot(n, r) / det;
+        const ep_vec3 left = ep_sub(ep_scale(dk, l.d), r);
+        const double nn = ep_dot(n, n);
+        const double du = ep_dot(ep_cross(left, f.pv), n) / nn, dv = ep_dot(ep_cross(f.pu, left), n) / nn;
+        u += du;
+        v += dv;
+        k += dk;
+        if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return true;
+        if (i == 3) {
+            /* outside by more than float parameters can say */
+            if (outside(patch->kind == EP_KIND_TRIANGLE, u, v) > 0x1p-21) return false;
+            *t = (float)(l.t0 + k);
+            field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;
+            field[3] = (float)fmin(fmax(u, 0), 1);
+            field[4] = (float)fmin(fmax(v, 0), patch->kind == EP_KIND_TRIANGLE ? 1 - field[3] : 1);
+        }
+    }
+    return true;
+}

@@ -15,6 +15,10 @@ typedef struct ep_root {
  * leaves them as they are. */
 bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double *lo, double *hi);
 
+/* Polishes a root in double: *t and field = Ng, u, v are replaced by those of the exact root nearby, or left alone if
+ * Newton does not settle within 2^-8 of it. False: that root is outside the patch. */
+bool ep_refine(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5]);
+
 /* The nearest root with after < t < before; false: there is none. Call again with after = root->t for the next. */
 bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double after,
               double before, ep_root *root);

@@ -57,7 +57,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const ep_patch *patch, const float *
             const w_jet jet = w_jet_at(leaf, patch, triangle, m, n, rational, v.s, v.t, moved);
             const w_step step = w_advance(leaf, &v, triangle, &jet);
             const w_f t = v.t_plane + step.distance;
-            const uint32_t found = w_bits(w_and(step.hit, w_and(w_lt(w_set(tnear), t), w_lt(t, w_set(tfar)))));
+            const uint32_t found = w_bits(w_and(step.hit, w_and(w_lt(w_set(tnear), t), w_le(t, w_set(tfar)))));
             if (found) {
                 out->hit |= found << base;
                 w_store(out->t + base, found, t);

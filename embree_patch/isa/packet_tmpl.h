@@ -186,7 +186,7 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const ep_patch *patch, const 
             const w_step step = w_advance(leaf, &visit, triangle, &jet);
             const w_f t = visit.t_plane + step.distance;
             const w_m within = w_and(w_lt(w_load(ray + EP_RAY_TNEAR * rays, rays - base), t),
-                                     w_lt(t, w_load(ray + EP_RAY_TFAR * rays, rays - base)));
+                                     w_le(t, w_load(ray + EP_RAY_TFAR * rays, rays - base)));
             const uint32_t found = w_bits(w_and(step.hit, within));
             if (found) {
                 hit |= found;

@@ -110,7 +110,7 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const ep_patch *patch, const 
         if (visit.live) continue;
         if (visit.slow) return (ep_outcome){ 0, 1 };
         const float t = visit.t_plane + step.distance;
-        if (!(step.hit && tnear < t && t < tfar)) return (ep_outcome){ 0, 0 };
+        if (!(step.hit && tnear < t && t <= tfar)) return (ep_outcome){ 0, 0 };
 
         *t_out = t;
         s_normal(leaf, &jet, &step, hit_out + EP_HIT_NG);

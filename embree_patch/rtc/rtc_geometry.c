@@ -100,12 +100,66 @@ static uint32_t offer(const query *q, uint32_t mask, candidates *c)
     return accepted;
 }
 
+/* Is a candidate in front of what the ray has? Neighbouring leaves both find a root on their common border; where
+ * their t is the same float, the smaller primID, then u, then v decides, not which leaf came first. */
+static bool in_front(const query *q, unsigned lane, const candidates *c)
+{
+    const unsigned n = q->n;
+    const float t = c->t[lane], tfar = q->ray[EP_RAY_TFAR * n + lane];
+    if (!(q->ray[EP_RAY_TNEAR * n + lane] < t && t <= tfar)) return false;
+    if (t < tfar) return true;
+    if (!q->intersect) return false;
+    const float *hit = q->ray + EP_RAY_FIELDS * n;
+    uint32_t geom, prim;
+    memcpy(&geom, &hit[HIT_GEOM * n + lane], sizeof geom);
+    memcpy(&prim, &hit[HIT_PRIM * n + lane], sizeof prim);
+    if (geom != q->geom_id || prim < q->leaf->patch) return false;
+    if (prim > q->leaf->patch) return true;
+    const float u = c->hit[EP_HIT_U * n + lane], v = c->hit[EP_HIT_V * n + lane];
+    const float hit_u = hit[EP_HIT_U * n + lane], hit_v = hit[EP_HIT_V * n + lane];
+    return u < hit_u || (u == hit_u && v < hit_v);
+}
+
+/* t carries the rounding of the surface divided by the cosine of incidence: flat hits are polished in double. */
+static bool refine_flat(const query *q, unsigned lane, candidates *c)
+{
+    const unsigned n = q->n;
+    float org[3], dir[3], field[5];
+    float along = 0, dd = 0, nn = 0;
+    for (unsigned k = 0; k < 3; ++k) {
+        org[k] = q->ray[(EP_RAY_ORG + k) * n + lane];
+        dir[k] = q->ray[(EP_RAY_DIR + k) * n + lane];
+        field[k] = c->hit[(EP_HIT_NG + k) * n + lane];
+        along += dir[k] * field[k];
+        dd += dir[k] * dir[k];
+        nn += field[k] * field[k];
+    }
+    if (along * along > 0x1p-6f * dd * nn) return true;
+    field[3] = c->hit[EP_HIT_U * n + lane];
+    field[4] = c->hit[EP_HIT_V * n + lane];
+    if (!ep_refine(q->patch, org, dir, &c->t[lane], field)) return false;
+    for (unsigned f = 0; f < 5; ++f) c->hit[f * n + lane] = field[f];
+    return true;
+}
+
+/* The candidates in `mask` that are to be offered, polished. */
+static uint32_t settle_roots(const query *q, uint32_t mask, candidates *c)
+{
+    uint32_t front = 0;
+    for (uint32_t rest = mask; rest; rest &= rest - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(rest);
+        front |= (uint32_t)(refine_flat(q, lane, c) && in_front(q, lane, c)) << lane;
+    }
+    return front;
+}
+
 /* Candidates of one ray, nearest first, until one is accepted. */
 static bool offer_root(const query *q, unsigned lane, float t, const float field[5], candidates *c)
 {
     c->t[lane] = t;
     for (unsigned f = 0; f < 5; ++f) c->hit[f * q->n + lane] = field[f];
-    return offer(q, 1u << lane, c) != 0;
+    const uint32_t front = settle_roots(q, 1u << lane, c);
+    return front && offer(q, front, c) != 0;
 }
 
 static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray, double lo, double hi, candidates *c)
@@ -117,7 +171,7 @@ static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray
         lo = r.t + 0x1p-40 * fabs(r.t);
         const float t = (float)r.t;
         const float field[5] = { (float)r.ng[0], (float)r.ng[1], (float)r.ng[2], (float)r.u, (float)r.v };
-        if (tnear < t && t < tfar && offer_root(q, lane, t, field, c)) return true;
+        if (tnear < t && t <= tfar && offer_root(q, lane, t, field, c)) return true;
     }
     return false;
 }
@@ -213,7 +267,8 @@ static void run(const query *q, int *valid)
     if (q->n == 1) o = kernels->single[q->patch->shape](q->leaf, q->patch, q->ray, 1, 1, c.t, c.hit, counters);
     else if (!(beyond & (beyond - 1))) o = run_sparse(q, active, &c, counters);
     else o = kernels->packet[q->patch->shape](q->leaf, q->patch, q->ray, q->n, active, c.t, c.hit, counters);
-    if (o.hit) accepted = offer(q, o.hit, &c);
+    const uint32_t front = settle_roots(q, o.hit, &c);
+    if (front) accepted = offer(q, front, &c);
     for (uint32_t slow = o.slow; slow; slow &= slow - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(slow);
         accepted |= (uint32_t)solve_lane(q, lane, &c, counters) << lane;
