@@ -9,7 +9,10 @@
 
 static atomic_long fail_at = -1;
 
-void ep_alloc_fail_at(long n) { atomic_store(&fail_at, n); }
+void ep_alloc_fail_at(long n)
+{
+    atomic_store(&fail_at, n);
+}
 
 void *ep_alloc(size_t count, size_t size)
 {
@@ -20,7 +23,10 @@ void *ep_alloc(size_t count, size_t size)
     return aligned_alloc(64, bytes ? bytes : 64);
 }
 
-void ep_free(void *p) { free(p); }
+void ep_free(void *p)
+{
+    free(p);
+}
 
 EPStatus ep_fail(ep_message *m, EPStatus s, const char *format, ...)
 {

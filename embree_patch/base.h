@@ -35,7 +35,10 @@ static inline float ep_round_up(double x)
     float f = (float)x;
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
-static inline float ep_round_down(double x) { return -ep_round_up(-x); }
+static inline float ep_round_down(double x)
+{
+    return -ep_round_up(-x);
+}
 
 /* Half the distance from 1 to the next float: the relative error of one rounding. */
 #define EP_EPS_F 0x1p-24

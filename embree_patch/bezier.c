@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "embree_patch/bezier.h"
 
+#include <math.h>
 #include <string.h>
 
 static void lerp(ep_point out, const ep_point a, const ep_point b, double t)
@@ -38,10 +39,10 @@ void ep_tensor_eval(const ep_point *net, unsigned m, unsigned n, double u, doubl
     curve_jet(c, n, v, jet->puu, unused, unused);
 }
 
-/* One step of the triangular algorithm in place: a net of degree n becomes one of degree n-1. */
-static void tri_step(ep_point *p, unsigned n, double u, double v)
+/* One step of the triangular algorithm in place: a net of degree n becomes one of degree n-1. (u, v, w) adds up to one
+ * at a point, to zero along a direction. */
+static void tri_blossom(ep_point *p, unsigned n, double u, double v, double w)
 {
-    const double w = 1 - u - v;
     size_t to = 0;
     for (unsigned j = 0; j < n; ++j)
         for (unsigned i = 0; i < n - j; ++i, ++to) {
@@ -51,6 +52,11 @@ static void tri_step(ep_point *p, unsigned n, double u, double v)
             for (int c = 0; c < 4; ++c) q[c] = u * pu[c] + v * pv[c] + w * pw[c];
             memcpy(p[to], q, sizeof q);
         }
+}
+
+static void tri_step(ep_point *p, unsigned n, double u, double v)
+{
+    tri_blossom(p, n, u, v, 1 - u - v);
 }
 
 void ep_tri_eval(const ep_point *net, unsigned n, double u, double v, ep_jet *jet)
@@ -118,5 +124,57 @@ void ep_tri_restrict(const ep_point *net, unsigned n, const double U[2], const d
             if (after_v) tri_step(b, after_v, V[0], V[1]);
         }
         if (after_u) tri_step(a, after_u, U[0], U[1]);
+    }
+}
+
+static double binomial(unsigned n, unsigned k)
+{
+    double b = 1;
+    for (unsigned i = 1; i <= k; ++i) b = b * (n - k + i) / i;
+    return b;
+}
+
+/* The curve of degree n with points p[0], p[stride], ... as a polynomial in s, t = t0 + s h, in place. Its i-th
+ * coefficient is binomial(n, i) h^i times the i-th difference of de Casteljau's level n-i at t0. Differences of the
+ * whole curve's points lose i bits, but h^i more than gives them back in a part of it. */
+static void curve_series(ep_point *p, unsigned n, size_t stride, double t0, double h)
+{
+    ep_point level[EP_NET_DEGREE + 1];
+    for (unsigned i = 0; i <= n; ++i) memcpy(level[i], p[i * stride], sizeof(ep_point));
+    for (unsigned i = n;; --i) {
+        double *to = p[i * stride], factor = binomial(n, i) * pow(h, i);
+        for (int c = 0; c < 4; ++c) to[c] = 0;
+        for (unsigned k = 0; k <= i; ++k, factor = -factor * (i - k + 1) / k)
+            for (int c = 0; c < 4; ++c) to[c] += factor * level[i - k][c];
+        if (i == 0) return;
+        for (unsigned k = 0; k < i; ++k) lerp(level[k], level[k], level[k + 1], t0);
+    }
+}
+
+void ep_tensor_series(const ep_point *net, unsigned m, unsigned n, double u0, double du, double v0, double dv,
+                      ep_point *out)
+{
+    if (out != net) memcpy(out, net, (size_t)(m + 1) * (n + 1) * sizeof(ep_point));
+    for (unsigned j = 0; j <= n; ++j) curve_series(out + j * (m + 1), m, 1, u0, du);
+    for (unsigned i = 0; i <= m; ++i) curve_series(out + i, n, m + 1, v0, dv);
+}
+
+/* The coefficient of s^i t^j is n!/(i! j! k!) times the blossom at U i times, V j times and X the remaining k. */
+void ep_tri_series(const ep_point *net, unsigned n, const double X[2], const double U[2], const double V[2],
+                   ep_point *out)
+{
+    ep_point a[EP_NET_POINTS], b[EP_NET_POINTS], c[EP_NET_POINTS];
+    memcpy(a, net, ep_tri_count(n) * sizeof(ep_point));
+    for (unsigned d = n;; --d) { /* i + j = d */
+        memcpy(b, a, ep_tri_count(d) * sizeof(ep_point));
+        for (unsigned i = 0; i <= d; ++i) {
+            memcpy(c, b, ep_tri_count(d - i) * sizeof(ep_point));
+            for (unsigned k = d - i; k > 0; --k) tri_blossom(c, k, V[0], V[1], -V[0] - V[1]);
+            const double factor = binomial(n, d) * binomial(d, i);
+            for (int e = 0; e < 4; ++e) out[ep_tri_index(n, i, d - i)][e] = factor * c[0][e];
+            if (i < d) tri_blossom(b, d - i, U[0], U[1], -U[0] - U[1]);
+        }
+        if (d == 0) return;
+        tri_step(a, d, X[0], X[1]);
     }
 }

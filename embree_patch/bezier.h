@@ -16,11 +16,17 @@
 typedef double ep_point[4];
 
 /* The highest degree of a net: one more than a patch's, for products with a linear function (leaf.c). */
-enum { EP_NET_DEGREE = EP_MAX_DEGREE + 1 };
+enum { EP_NET_DEGREE = EP_MAX_DEGREE + 1, EP_NET_POINTS = (EP_NET_DEGREE + 1) * (EP_NET_DEGREE + 1) };
 
 /* Position in a triangular net of degree n, and its number of points. */
-static inline size_t ep_tri_index(unsigned n, unsigned i, unsigned j) { return (size_t)j * (2 * n + 3 - j) / 2 + i; }
-static inline size_t ep_tri_count(unsigned n) { return (size_t)(n + 1) * (n + 2) / 2; }
+static inline size_t ep_tri_index(unsigned n, unsigned i, unsigned j)
+{
+    return (size_t)j * (2 * n + 3 - j) / 2 + i;
+}
+static inline size_t ep_tri_count(unsigned n)
+{
+    return (size_t)(n + 1) * (n + 2) / 2;
+}
 
 /* A value with its first and second derivatives. */
 typedef struct ep_jet {
@@ -38,5 +44,14 @@ void ep_tensor_restrict(const ep_point *net, unsigned m, unsigned n, double u0, 
  * parameters {u, v} of the old one [Goldman 1983]. `out` may not be `net`. */
 void ep_tri_restrict(const ep_point *net, unsigned n, const double U[2], const double V[2], const double W[2],
                      ep_point *out);
+
+/* The same surface as a polynomial in (s, t), u = u0 + s du, v = v0 + t dv. Coefficient (i, j) of s^i t^j stands where
+ * the net has point (i, j). */
+void ep_tensor_series(const ep_point *net, unsigned m, unsigned n, double u0, double du, double v0, double dv,
+                      ep_point *out);
+
+/* The same surface as a polynomial in (s, t), (u, v) = X + s U + t V. `out` may not be `net`. */
+void ep_tri_series(const ep_point *net, unsigned n, const double X[2], const double U[2], const double V[2],
+                   ep_point *out);
 
 #endif

@@ -10,7 +10,6 @@
  *
  * Patches are independent, so they are built in parallel into lists of their own, which are joined in order. */
 #include "embree_patch/build.h"
-#include "embree_patch/kernels.h"
 
 #include <omp.h>
 #include <stdlib.h>
@@ -26,41 +25,45 @@ enum { FOLD_DEPTH = 8 };
 typedef struct list {
     ep_leaf *leaves;
     ep_box *boxes;
-    size_t count, capacity;
+    float *nets;
+    size_t count, capacity, net_count, net_capacity;
     size_t uncertified;
     double depth_sum, thickness_sum;
     unsigned depth_max;
+    double error;
     bool no_memory;
 } list;
 
-static bool reserve(list *l)
+/* Makes room for `more` elements of `size` bytes after the first `count`. */
+static bool grow(void **array, size_t count, size_t more, size_t *capacity, size_t size)
 {
-    if (l->count < l->capacity) return true;
-    const size_t capacity = l->capacity ? 2 * l->capacity : 16;
-    ep_leaf *leaves = ep_alloc(capacity, sizeof *leaves);
-    ep_box *boxes = ep_alloc(capacity, sizeof *boxes);
-    if (!leaves || !boxes) {
-        ep_free(leaves);
-        ep_free(boxes);
-        l->no_memory = true;
-        return false;
-    }
-    if (l->count) {
-        memcpy(leaves, l->leaves, l->count * sizeof *leaves);
-        memcpy(boxes, l->boxes, l->count * sizeof *boxes);
-    }
-    ep_free(l->leaves);
-    ep_free(l->boxes);
-    l->leaves = leaves;
-    l->boxes = boxes;
-    l->capacity = capacity;
+    if (*capacity - count >= more) return true;
+    const size_t to = 2 * *capacity > count + more ? 2 * *capacity : count + more;
+    void *bigger = ep_alloc(to, size);
+    if (!bigger) return false;
+    if (count) memcpy(bigger, *array, count * size);
+    ep_free(*array);
+    *array = bigger;
+    *capacity = to;
     return true;
+}
+
+/* Leaves and boxes grow together. */
+static bool reserve(list *l, size_t net_floats)
+{
+    size_t leaves = l->capacity, boxes = l->capacity;
+    l->no_memory = !grow((void **)&l->leaves, l->count, 1, &leaves, sizeof *l->leaves) ||
+                   !grow((void **)&l->boxes, l->count, 1, &boxes, sizeof *l->boxes) ||
+                   !grow((void **)&l->nets, l->net_count, net_floats, &l->net_capacity, sizeof *l->nets);
+    if (!l->no_memory) l->capacity = leaves;
+    return !l->no_memory;
 }
 
 static void list_free(list *l)
 {
     ep_free(l->leaves);
     ep_free(l->boxes);
+    ep_free(l->nets);
 }
 
 typedef struct piece_args {
@@ -68,52 +71,60 @@ typedef struct piece_args {
     const ep_point *local;
     uint32_t index;
     const EPBuildSettings *settings;
+    ep_fit *fit; /* scratch */
 } piece_args;
 
-static void add_leaf(const piece_args *a, const ep_domain *d, unsigned depth, list *l)
+static void add_leaf(const piece_args *a, unsigned depth, list *l)
 {
-    if (!reserve(l)) return;
+    const ep_fit *f = a->fit;
+    if (!reserve(l, f->net_floats)) return;
     ep_leaf *leaf = &l->leaves[l->count];
     ep_box *box = &l->boxes[l->count];
-    ep_fit_info info;
-    ep_leaf_fit(a->patch, a->local, d, true, leaf, &info);
+    *leaf = f->leaf;
     leaf->patch = a->index;
+    leaf->net = (uint32_t)l->net_count;
+    ep_leaf_pack(f, l->nets + l->net_count);
+    l->net_count += f->net_floats;
     for (int c = 0; c < 3; ++c) {
-        const double centre = (double)a->patch->centre[c] + (double)a->patch->centre_low[c];
-        box->lower[c] = ep_round_down(centre + info.lower[c]);
-        box->upper[c] = ep_round_up(centre + info.upper[c]);
+        box->lower[c] = ep_round_down(f->lower[c]);
+        box->upper[c] = ep_round_up(f->upper[c]);
     }
-    if (!info.regular) ++l->uncertified;
-    else l->thickness_sum += info.thickness;
+    if (!f->regular) ++l->uncertified;
+    else l->thickness_sum += f->thickness;
+    l->error = fmax(l->error, f->error);
     l->depth_sum += depth;
     if (depth > l->depth_max) l->depth_max = depth;
     ++l->count;
 }
 
+/* A series of high degree over a large piece loses more than this of the patch; over smaller ones it does not. */
+static const double max_loss = 0x1p-26;
+
 static void build_piece(const piece_args *a, const ep_domain *d, unsigned depth, list *l)
 {
-    ep_leaf leaf;
-    ep_fit_info info;
-    ep_domain part[4];
+    ep_fit *f = a->fit;
+    ep_leaf_fit(a->patch, a->local, d, f);
     if (depth < a->settings->maxDepth) {
-        ep_leaf_fit(a->patch, a->local, d, false, &leaf, &info);
-        const bool good = info.thickness <= a->settings->thickness && info.distortion <= max_distortion;
-        const bool hopeless = !(info.distortion < 1) && depth >= FOLD_DEPTH;
+        const bool good =
+            f->thickness <= a->settings->thickness && f->distortion <= max_distortion && f->loss <= max_loss;
+        const unsigned halvings = a->patch->kind == EP_KIND_TRIANGLE ? 2 * depth : depth;
+        const bool hopeless = !(f->distortion < 1) && halvings >= FOLD_DEPTH;
         if (!good && !hopeless) {
-            const unsigned n = ep_kinds[a->patch->kind].split(d, info.turn[1] > info.turn[0], part);
+            ep_domain part[4];
+            const unsigned n = ep_kinds[a->patch->kind].split(d, f->turn[1] > f->turn[0], part);
             for (unsigned k = 0; k < n && !l->no_memory; ++k) build_piece(a, &part[k], depth + 1, l);
             return;
         }
     }
-    add_leaf(a, d, depth, l);
+    add_leaf(a, depth, l);
 }
 
-static void build_patch(const ep_patch *p, uint32_t index, const EPBuildSettings *settings, list *l)
+static void build_patch(const ep_patch *p, uint32_t index, const EPBuildSettings *settings, ep_fit *fit, list *l)
 {
-    static const ep_domain whole = { 0, 0, 1, 0, 0, 1 };
-    ep_point local[(EP_MAX_DEGREE + 1) * (EP_MAX_DEGREE + 1)];
+    static const ep_domain whole = {0, 0, 1, 0, 0, 1};
+    ep_point local[EP_NET_POINTS];
     ep_patch_local(p, local);
-    const piece_args a = { p, local, index, settings };
+    const piece_args a = {p, local, index, settings, fit};
     build_piece(&a, &whole, 0, l);
 }
 
@@ -146,21 +157,28 @@ static void pad_boxes(ep_hierarchy *h, const EPBuildSettings *settings)
 
 static EPStatus join(list *lists, size_t count, ep_hierarchy *out)
 {
-    size_t total = 0;
+    size_t total = 0, floats = 0;
     for (size_t i = 0; i < count; ++i) {
         if (lists[i].no_memory) return EP_NO_MEMORY;
         total += lists[i].count;
+        floats += lists[i].net_count;
     }
-    if (total > UINT32_MAX) return EP_UNSUPPORTED;
+    if (total > UINT32_MAX || floats > UINT32_MAX) return EP_UNSUPPORTED;
     out->leaves = ep_alloc(total, sizeof(ep_leaf));
     out->boxes = ep_alloc(total, sizeof(ep_box));
-    if (!out->leaves || !out->boxes) return EP_NO_MEMORY;
+    out->nets = ep_alloc(floats, sizeof(float));
+    if (!out->leaves || !out->boxes || !out->nets) return EP_NO_MEMORY;
     double depth = 0, thickness = 0;
     for (size_t i = 0; i < count; ++i) {
-        list *l = &lists[i];
-        memcpy(out->leaves + out->leaf_count, l->leaves, l->count * sizeof(ep_leaf));
+        const list *l = &lists[i];
+        if (!l->count) continue;
+        ep_leaf *leaves = out->leaves + out->leaf_count;
+        memcpy(leaves, l->leaves, l->count * sizeof(ep_leaf));
+        for (size_t k = 0; k < l->count; ++k) leaves[k].net += (uint32_t)out->net_floats;
         memcpy(out->boxes + out->leaf_count, l->boxes, l->count * sizeof(ep_box));
+        if (l->net_count) memcpy(out->nets + out->net_floats, l->nets, l->net_count * sizeof(float));
         out->leaf_count += l->count;
+        out->net_floats += l->net_count;
         out->uncertified += l->uncertified;
         depth += l->depth_sum;
         thickness += l->thickness_sum;
@@ -171,38 +189,37 @@ static EPStatus join(list *lists, size_t count, ep_hierarchy *out)
     return EP_OK;
 }
 
+static EPStatus fail(ep_message *message, EPStatus status, size_t count)
+{
+    if (status == EP_UNSUPPORTED) return ep_fail(message, status, "more than 2^32 leaves; raise the thickness");
+    return ep_fail(message, status, "no memory for the leaves of %zu patches", count);
+}
+
 EPStatus ep_build(ep_patch *patches, size_t count, const EPBuildSettings *settings, ep_message *message,
                   ep_hierarchy *out)
 {
     memset(out, 0, sizeof *out);
     out->patch_count = count;
-    for (size_t i = 0; i < count; ++i)
-        out->net_floats += 16 * ep_kinds[patches[i].kind].block_count(patches[i].degree_u, patches[i].degree_v);
-    out->nets = ep_alloc(out->net_floats, sizeof(float));
+    const int threads = settings->threads ? (int)settings->threads : omp_get_max_threads();
     list *lists = ep_alloc(count, sizeof *lists);
-    EPStatus status = out->nets && lists ? EP_OK : EP_NO_MEMORY;
+    ep_fit *fits = ep_alloc((size_t)threads, sizeof *fits);
+    EPStatus status = lists && fits ? EP_OK : EP_NO_MEMORY;
     if (status == EP_OK) {
         memset(lists, 0, count * sizeof *lists);
-        float *net = out->nets;
-        for (size_t i = 0; i < count; ++i) {
-            patches[i].shape = ep_shape(&patches[i]);
-            patches[i].net = net;
-            net += 16 * ep_kinds[patches[i].kind].block_count(patches[i].degree_u, patches[i].degree_v);
-        }
-        const int threads = settings->threads ? (int)settings->threads : omp_get_max_threads();
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
         for (size_t i = 0; i < count; ++i) {
-            ep_patch_pack(&patches[i], (float *)patches[i].net);
-            build_patch(&patches[i], (uint32_t)i, settings, &lists[i]);
+            ep_patch_measure(&patches[i]);
+            build_patch(&patches[i], (uint32_t)i, settings, &fits[omp_get_thread_num()], &lists[i]);
+            patches[i].error = lists[i].error;
         }
         status = join(lists, count, out);
         for (size_t i = 0; i < count; ++i) list_free(&lists[i]);
     }
+    ep_free(fits);
     ep_free(lists);
     if (status != EP_OK) {
         ep_hierarchy_free(out);
-        if (status == EP_UNSUPPORTED) return ep_fail(message, status, "more than 2^32 leaves; raise the thickness");
-        return ep_fail(message, status, "no memory for the leaves of %zu patches", count);
+        return fail(message, status, count);
     }
     out->patches = patches;
     pad_boxes(out, settings);

@@ -9,11 +9,10 @@
 /* The hierarchy as tracing needs it. Leaves and boxes go together by index. */
 typedef struct ep_hierarchy {
     ep_patch *patches;
-    float *nets; /* the patches' kernel nets, one after the other */
-    size_t patch_count, net_floats;
     ep_leaf *leaves;
     ep_box *boxes;
-    size_t leaf_count;
+    float *nets; /* the leaves' coefficients, one after the other */
+    size_t patch_count, leaf_count, net_floats;
     float bounds[6];
     /* statistics */
     size_t uncertified;

@@ -16,11 +16,14 @@ EPCounters *ep_new_line(void)
     return ep_thread_line;
 }
 
-void epGetThreadCounters(EPCounters *counters) { *counters = *ep_counters(); }
+void epGetThreadCounters(EPCounters *counters)
+{
+    *counters = *ep_counters();
+}
 
 void epGetCounters(EPCounters *counters)
 {
-    *counters = (EPCounters){ 0 };
+    *counters = (EPCounters){0};
     for (int i = 0; i < EP_COUNTER_LINES; ++i) {
         counters->visits += lines[i].c.visits;
         counters->solves += lines[i].c.solves;

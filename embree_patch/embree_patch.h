@@ -163,13 +163,13 @@ EP_API void epGetGeometryBounds(EPGeometry geometry, float bounds[6]);
 
 typedef struct EPStatistics {
     size_t patches, leaves;
-    size_t uncertified;    /* leaves where only subdivision can tell (at poles, cusps and folds)  */
-    double averageDepth;   /* halvings of the domain, mean over leaves                            */
+    size_t uncertified;  /* leaves where only subdivision can tell (at poles, cusps and folds)  */
+    double averageDepth; /* halvings of the domain, mean over leaves                            */
     unsigned maximumDepth;
     double averageThickness; /* thickness of a leaf's prism relative to its width, mean over leaves */
-    size_t bytes;          /* everything this geometry has allocated: nets, leaves, boxes         */
-    double buildSeconds;   /* of the last commit                                                  */
-    const char *isa;       /* the kernels in use                                                  */
+    size_t bytes;            /* everything this geometry has allocated: nets, leaves, boxes         */
+    double buildSeconds;     /* of the last commit                                                  */
+    const char *isa;         /* the kernels in use                                                  */
 } EPStatistics;
 EP_API void epGetGeometryStatistics(EPGeometry geometry, EPStatistics *statistics);
 

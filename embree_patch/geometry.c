@@ -32,7 +32,10 @@ void epReleaseGeometry(EPGeometry g)
     ep_free(g);
 }
 
-const char *epGetGeometryMessage(EPGeometry g) { return g->message.text; }
+const char *epGetGeometryMessage(EPGeometry g)
+{
+    return g->message.text;
+}
 
 /* Makes room for `more` elements of `size` bytes after the first `count`. */
 static bool grow(void **array, size_t count, size_t *capacity, size_t more, size_t size)
@@ -52,7 +55,7 @@ static bool grow(void **array, size_t count, size_t *capacity, size_t more, size
 
 static size_t format_bytes(EPFormat f)
 {
-    static const size_t bytes[] = { 3 * sizeof(float), 4 * sizeof(float), 3 * sizeof(double), 4 * sizeof(double) };
+    static const size_t bytes[] = {3 * sizeof(float), 4 * sizeof(float), 3 * sizeof(double), 4 * sizeof(double)};
     return (unsigned)f < EP_ARRAY_LEN(bytes) ? bytes[f] : 0;
 }
 
@@ -99,7 +102,7 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
     ep_point *to = g->points + g->point_count;
     for (size_t k = 0; k < count; ++k) {
         ep_added *a = &g->added[g->added_count + k];
-        *a = (ep_added){ g->point_count + k * each, (uint8_t)kind, (uint8_t)m, (uint8_t)n, 0 };
+        *a = (ep_added){g->point_count + k * each, (uint8_t)kind, (uint8_t)m, (uint8_t)n, 0};
         for (size_t i = 0; i < each; ++i, at += stride, ++to) {
             double p[4];
             read_point(format, at, p);
@@ -108,8 +111,8 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
                     return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: %c is %g, not within +-2^60", k, i,
                                    "xyz"[c], p[c]);
             if (!(p[3] > 0 && p[3] <= largest_weight && p[3] >= 1 / largest_weight))
-                return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: the weight is %g, not in 2^-40..2^40", k,
-                               i, p[3]);
+                return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: the weight is %g, not in 2^-40..2^40",
+                               k, i, p[3]);
             for (int c = 0; c < 3; ++c) (*to)[c] = p[3] * p[c];
             (*to)[3] = p[3];
             if (p[3] != 1) a->rational = 1;
@@ -169,8 +172,11 @@ EPStatus epCommitGeometry(EPGeometry g)
     if (!patches) return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
     for (size_t i = 0; i < g->added_count; ++i) {
         const ep_added *a = &g->added[i];
-        patches[i] = (ep_patch){ .points = g->points + a->first, .kind = a->kind, .degree_u = a->degree_u,
-                                 .degree_v = a->degree_v, .rational = a->rational };
+        patches[i] = (ep_patch){.points = g->points + a->first,
+                                .kind = a->kind,
+                                .degree_u = a->degree_u,
+                                .degree_v = a->degree_v,
+                                .rational = a->rational};
     }
     ep_hierarchy h;
     const EPStatus status = ep_build(patches, g->added_count, &g->settings, &g->message, &h);
@@ -210,21 +216,21 @@ EPStatus epEvaluate(EPGeometry g, uint32_t primID, double u, double v, double P[
     return EP_OK;
 }
 
-/* The kernels' rounding (leaf.c) moves a point by at most the evaluation's error, the ray's position error and
- * the rounding of t, each relative to the patch's radius and to the way travelled. A ray that is nearly tangent has
- * its root displaced along the surface, but the bound is on the distance to the surface, which is not amplified. */
+/* A hit's point is off by the leaf's rounding, the ray's position error and the rounding of t. A ray that is nearly
+ * tangent has its root displaced along the surface, but the bound is on the distance to the surface, which is not
+ * amplified. */
 float epGetHitError(EPGeometry g, uint32_t primID, const float org[3], const float dir[3], float t)
 {
     if (!g->committed || primID >= g->hierarchy.patch_count) return 0;
-    const ep_patch *p = &g->hierarchy.patches[primID];
-    const double ratio = p->rational ? 2 * (double)p->weight_max : 1;
-    double error = ((2.0 * (p->degree_u + p->degree_v) + 14) * ratio + 8) * EP_EPS_F * p->radius;
-    for (int c = 0; c < 3; ++c)
-        error = error + 4 * EP_EPS_F * (fabs(org[c]) + fabs((double)t * dir[c]));
+    double error = g->hierarchy.patches[primID].error;
+    for (int c = 0; c < 3; ++c) error += 4 * EP_EPS_F * (fabs(org[c]) + fabs((double)t * dir[c]));
     return ep_round_up(2 * error);
 }
 
-void epGetGeometryBounds(EPGeometry g, float bounds[6]) { memcpy(bounds, g->hierarchy.bounds, 6 * sizeof(float)); }
+void epGetGeometryBounds(EPGeometry g, float bounds[6])
+{
+    memcpy(bounds, g->hierarchy.bounds, 6 * sizeof(float));
+}
 
 void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
 {

@@ -8,7 +8,10 @@
 #if EP_HAVE_X86
 extern const ep_kernels ep_kernels_avx2, ep_kernels_avx512;
 
-static bool has_avx2(void) { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+static bool has_avx2(void)
+{
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+}
 static bool has_avx512(void)
 {
     return has_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
@@ -40,7 +43,7 @@ const ep_kernels *ep_find_kernels(const char *isa)
 
 const char *const *epGetInstructionSets(void)
 {
-    static const char *const names[3][4] = { { "plain" }, { "plain", "avx2" }, { "plain", "avx2", "avx512" } };
+    static const char *const names[3][4] = {{"plain"}, {"plain", "avx2"}, {"plain", "avx2", "avx512"}};
     const ep_kernels *found[4];
     return names[list(found) - 1];
 }

@@ -4,8 +4,8 @@
  *
  * The templates in isa/ are compiled once per instruction set and export one constant table each. All tables give the
  * same bits: a verb rounds once, fused multiply-adds are written out, the compiler may not form its own. The packet
- * kernel has one ray a lane; the single-ray kernel has one control point's coordinate a lane and performs, for its
- * ray, the very same operations in the same order. */
+ * kernel has one ray a lane; the single-ray kernel has one coordinate a lane and performs, for its ray, the very same
+ * operations in the same order. */
 #ifndef EP_KERNELS_H
 #define EP_KERNELS_H
 
@@ -21,20 +21,14 @@ enum { EP_HIT_NG = 0, EP_HIT_U = 3, EP_HIT_V = 4 };
 
 /* One bit a lane. A lane in neither set is certified to miss the leaf within (tnear, tfar). */
 typedef struct ep_outcome {
-    uint32_t hit;  /* t[] and hit[] hold the leaf's only root in (tnear, tfar] */
-    uint32_t slow; /* undecided: ask ep_solve                                  */
+    uint32_t hit;   /* t[] and hit[] hold the leaf's only root in (tnear, tfar], or, if vague, near it */
+    uint32_t tie;   /* those of them at tfar itself: in front of the ray's hit or behind it? */
+    uint32_t vague; /* those that ep_polish has to find again                     */
+    uint32_t slow;  /* undecided: look closer                                   */
 } ep_outcome;
 
-/* Degrees 1 to 4, the same both ways, have kernels of their own; shape 0 of each block takes any. */
-enum { EP_SPECIAL_DEGREES = 4, EP_SHAPES = 4 * (EP_SPECIAL_DEGREES + 1) };
-
-static inline uint8_t ep_shape(const ep_patch *p)
-{
-    const unsigned special = p->degree_u == p->degree_v && p->degree_u <= EP_SPECIAL_DEGREES ? p->degree_u : 0;
-    return (uint8_t)((p->kind * 2u + p->rational) * (EP_SPECIAL_DEGREES + 1) + special);
-}
-
-typedef ep_outcome ep_packet_kernel(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned n,
+/* `net` is the leaf's own. */
+typedef ep_outcome ep_packet_kernel(const ep_leaf *leaf, const float *net, const float *ray, unsigned n,
                                     uint32_t active, float *t, float *hit, EPCounters *counters);
 
 /* What became of the sixteen cells of a nearly tangent ray; one bit a cell, cells in order of t. */
@@ -44,22 +38,23 @@ typedef struct ep_cells {
     float radius[EP_PACKET];          /* ... and how accurate it is                                */
     float fields[5 * EP_PACKET];      /* Ng, u, v as in a hit packet of 16                         */
     uint32_t hit;                     /* has the one root near this cell, within (tnear, tfar)     */
+    uint32_t vague;                   /* those that ep_polish has to find again                    */
     uint32_t open;                    /* undecided                                                 */
 } ep_cells;
 
-typedef void ep_cells_kernel(const ep_leaf *leaf, const ep_patch *patch, const float *ray, double lo, double hi,
+typedef void ep_cells_kernel(const ep_leaf *leaf, const float *net, const float *ray, double lo, double hi,
                              ep_cells *out);
 
 typedef struct ep_kernels {
     const char *isa;
-    unsigned width; /* lanes a step */
+    unsigned width;                      /* lanes a step */
     ep_packet_kernel *packet[EP_SHAPES]; /* n = 4, 8, 16 */
     ep_packet_kernel *single[EP_SHAPES]; /* n = 1        */
     ep_cells_kernel *cells[EP_SHAPES];   /* one ray, between t = lo and hi, where it is in the leaf's prism */
-    /* What a filter needs around it, for packets of n = 4, 8, 16. `before` and `valid` have room for 16 and are aligned.
-     * offer: valid = -1 in `mask` and 0 elsewhere; the rays' tfar becomes t there, and all of it is kept in before.
-     * settle: gives tfar back to lanes of `mask` that are no longer valid, and returns those that are.
-     * active: the lanes where valid is -1. commit: writes the first `fields` rows of hit to the lanes in `mask`. */
+    /* What a filter needs around it, for packets of n = 4, 8, 16. `before` and `valid` have room for 16 and are
+     * aligned. offer: valid = -1 in `mask` and 0 elsewhere; the rays' tfar becomes t there, and all of it is kept in
+     * before. settle: gives tfar back to lanes of `mask` that are no longer valid, and returns those that are. active:
+     * the lanes where valid is -1. commit: writes the first `fields` rows of hit to the lanes in `mask`. */
     void (*offer)(float *ray, unsigned n, uint32_t mask, const float *t, float *before, int *valid);
     uint32_t (*settle)(float *ray, unsigned n, uint32_t mask, const float *before, const int *valid);
     uint32_t (*active)(const int *valid, unsigned n);

@@ -2,255 +2,291 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * In leaf coordinates the remainder of a rational piece is r = R/W with R_st = M_st N - x W and R_h = M_h N: Bézier
- * polynomials, so hulls of their coefficients, differences and second differences bound r and its derivatives over
- * the whole piece. Everything that is bounded here is of second order in the size of the piece, which is why plain
- * interval quotients are tight enough. The frame is tangent to the piece at the middle of its domain, where the
- * derivative of r is therefore zero, moved so that the remainders' ranges are centred on zero, and rounded to float
- * before the bounds are taken, so they hold for the frame that the kernels use. */
+ * Everything follows from the piece's power series about the middle of its domain. In leaf coordinates its remainder
+ * is r = R/W with R_st = M_st N - x W and R_h = M_h N, W being one in the middle; so bounds on the coefficients bound r
+ * and its derivatives over the whole piece: the terms up to the second order by their range, those above by their
+ * magnitudes, which fall off with the powers of the piece's size. What dividing by W adds is of the third order.
+ * The frame is tangent to the piece at the middle, where the derivative of r is therefore zero, moved so that r_h's
+ * range is centred on zero, and rounded to float before the bounds are taken: they hold for the frame that the kernels
+ * use. */
 #include "embree_patch/leaf.h"
 
 #include <string.h>
 
-enum { MAX_POINTS = (EP_NET_DEGREE + 1) * (EP_NET_DEGREE + 1) };
-
-/* The affine map of space to leaf coordinates; row[i] . x + offset[i]. */
+/* The linear map of space to leaf coordinates, and its inverse's columns. */
 typedef struct frame {
-    ep_vec3 row[3];
-    double offset[3];
+    ep_vec3 row[3], column[3];
 } frame;
 
-typedef struct range {
-    double lo, hi;
-} range;
-
-static const range nothing = { INFINITY, -INFINITY };
-static void include(range *r, double x)
+static double mid(ep_range r)
 {
-    r->lo = fmin(r->lo, x);
-    r->hi = fmax(r->hi, x);
+    return r.lo / 2 + r.hi / 2;
 }
-static double mid(range r) { return r.lo / 2 + r.hi / 2; }
-static double half(range r) { return r.hi / 2 - r.lo / 2; }
-static double mag(range r) { return fmax(-r.lo, r.hi); }
+static double half(ep_range r)
+{
+    return r.hi / 2 - r.lo / 2;
+}
+static double mag(ep_range r)
+{
+    return fmax(-r.lo, r.hi);
+}
+static ep_range widen(ep_range r, double e)
+{
+    return (ep_range){r.lo - e, r.hi + e};
+}
+static ep_range about(double x, double e)
+{
+    return (ep_range){x - e, x + e};
+}
 
-/* Bounds on one remainder r_s, r_t or r_h over the piece. */
+/* Bounds on a function and its derivatives over the piece. */
 typedef struct bounds {
-    range value, ds, dt, dss, dst, dtt;
+    ep_range value, ds, dt, dss, dst, dtt;
 } bounds;
 
-/* The nets of (R_s, R_t, R_h, W). */
-typedef struct rest {
-    const ep_kind *kind;
-    unsigned m, n;
-    ep_point net[MAX_POINTS];
-} rest;
-
-static void make_remainder(const ep_kind *kind, unsigned m, unsigned n, bool rational, const ep_point *q,
-                           const frame *f, rest *r)
+/* Degree of the series of r W. */
+static unsigned rest_m(const ep_fit *f)
 {
-    double sw[MAX_POINTS], tw[MAX_POINTS];
-    r->kind = kind;
-    r->m = m;
-    r->n = n;
-    if (rational) {
-        kind->raise(q, m, n, r->net, sw, tw);
-        ++r->m;
-        ++r->n;
-    } else {
-        memcpy(r->net, q, kind->point_count(m, n) * sizeof(ep_point));
-        for (unsigned j = 0; j <= n; ++j)
-            for (unsigned i = 0; i <= m; ++i) {
-                const size_t k = kind->index(m, n, i, j);
-                if (k == SIZE_MAX) continue;
-                sw[k] = i / (double)m; /* Greville abscissae: the coefficients of s and t themselves */
-                tw[k] = j / (double)n;
-            }
-    }
-    const size_t count = kind->point_count(r->m, r->n);
-    for (size_t k = 0; k < count; ++k) {
-        double *p = r->net[k];
-        const ep_vec3 x = ep_v3(p[0], p[1], p[2]);
-        for (int c = 0; c < 3; ++c) p[c] = ep_dot(f->row[c], x) + f->offset[c] * p[3];
-        p[0] -= sw[k];
-        p[1] -= tw[k];
-    }
+    return f->m + f->raised;
+}
+static unsigned rest_n(const ep_fit *f)
+{
+    return f->n + f->raised;
 }
 
-static range quotient_range(const ep_point *net, size_t count, int c)
+static double monomial(const ep_fit *f, unsigned i, unsigned j)
 {
-    range r = nothing;
-    for (size_t k = 0; k < count; ++k) include(&r, net[k][c] / net[k][3]);
-    return r;
+    return f->monomial[f->kind->index(rest_m(f), rest_n(f), i, j)];
 }
 
-/* Bounds on the coefficient c of the net itself, not divided by W. */
-static bounds net_bounds(const rest *r, int c)
+/* R N - x W as a series; N and W are those of `series`. */
+static void make_rest(ep_fit *f)
 {
-    const ep_kind *kind = r->kind;
-    const unsigned m = r->m, n = r->n;
-    const double fst = kind->mixed * m * n + kind->mixed_one * m;
-    bounds b = { nothing, nothing, nothing, nothing, nothing, nothing };
+    const ep_kind *kind = f->kind;
+    const unsigned m = rest_m(f), n = rest_n(f);
+    memset(f->rest, 0, kind->point_count(m, n) * sizeof(ep_point));
+    for (unsigned j = 0; j <= f->n; ++j)
+        for (unsigned i = 0; i <= f->m; ++i) {
+            const size_t from = kind->index(f->m, f->n, i, j);
+            if (from == SIZE_MAX) continue;
+            double *to = f->rest[kind->index(m, n, i, j)];
+            for (int c = 0; c < 4; ++c) to[c] += f->series[from][c];
+            const double w = f->series[from][3];
+            if (w == 0) continue;
+            f->rest[kind->index(m, n, i + 1, j)][0] -= w;
+            f->rest[kind->index(m, n, i, j + 1)][1] -= w;
+        }
+}
+
+/* Range of a x + rest[.] . b over the piece, a being linear. */
+static ep_range linear_range(const ep_fit *f, const double a[2], const double b[4])
+{
+    const ep_kind *kind = f->kind;
+    const unsigned m = rest_m(f), n = rest_n(f);
+    double low[6] = {0, a[0], a[1], 0, 0, 0}, high = 0;
     for (unsigned j = 0; j <= n; ++j)
         for (unsigned i = 0; i <= m; ++i) {
             const size_t at = kind->index(m, n, i, j);
             if (at == SIZE_MAX) continue;
-            const size_t s = kind->index(m, n, i + 1, j), t = kind->index(m, n, i, j + 1),
-                         ss = kind->index(m, n, i + 2, j), st = kind->index(m, n, i + 1, j + 1),
-                         tt = kind->index(m, n, i, j + 2);
-            const double p = r->net[at][c];
-            include(&b.value, p);
-            if (s != SIZE_MAX) include(&b.ds, m * (r->net[s][c] - p));
-            if (t != SIZE_MAX) include(&b.dt, n * (r->net[t][c] - p));
-            if (ss != SIZE_MAX) include(&b.dss, m * (m - 1.0) * (r->net[ss][c] - 2 * r->net[s][c] + p));
-            if (st != SIZE_MAX) include(&b.dst, fst * (r->net[st][c] - r->net[s][c] - r->net[t][c] + p));
-            if (tt != SIZE_MAX) include(&b.dtt, n * (n - 1.0) * (r->net[tt][c] - 2 * r->net[t][c] + p));
+            const double *r = f->rest[at], x = b[0] * r[0] + b[1] * r[1] + b[2] * r[2] + b[3] * r[3];
+            static const int place[3][3] = {{0, 1, 3}, {2, 4}, {5}};
+            if (i + j <= 2) low[place[j][i]] += x;
+            else high += fabs(x) * f->monomial[at];
         }
-    /* a degree of one has no second difference: the derivative is zero */
-    if (m == 1) include(&b.dss, 0);
-    if (n == 1) include(&b.dtt, 0);
-    if (!(b.dst.lo <= b.dst.hi)) include(&b.dst, 0);
-    return b;
+    return widen(kind->quadratic(low), high);
 }
 
-/* [lo, hi] / [w.lo, w.hi] for positive w, widened by e. */
-static range divide(range a, range w, double e)
+static bounds series_bounds(const ep_fit *f, int c)
 {
-    return (range){ fmin(a.lo / w.lo, a.lo / w.hi) - e, fmax(a.hi / w.lo, a.hi / w.hi) + e };
+    const ep_kind *kind = f->kind;
+    const unsigned m = rest_m(f), n = rest_n(f);
+    const double none[2] = {0, 0}, pick[4] = {c == 0, c == 1, c == 2, c == 3};
+    double at_middle[5] = {0}, spread[5] = {0}; /* s, t, ss, st, tt */
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= m; ++i) {
+            const size_t at = kind->index(m, n, i, j);
+            if (at == SIZE_MAX) continue;
+            const double x = f->rest[at][c];
+            const unsigned di[5] = {1, 0, 2, 1, 0}, dj[5] = {0, 1, 0, 1, 2};
+            const double factor[5] = {i, j, i * (i - 1.0), i * (double)j, j * (j - 1.0)};
+            for (int k = 0; k < 5; ++k) {
+                if (i < di[k] || j < dj[k]) continue;
+                if (i == di[k] && j == dj[k]) at_middle[k] = factor[k] * x;
+                else spread[k] += factor[k] * fabs(x) * monomial(f, i - di[k], j - dj[k]);
+            }
+        }
+    return (bounds){linear_range(f, none, pick),    about(at_middle[0], spread[0]), about(at_middle[1], spread[1]),
+                    about(at_middle[2], spread[2]), about(at_middle[3], spread[3]), about(at_middle[4], spread[4])};
 }
 
-/* r = R/W: r' = (R' - r W') / W and r'' = (R'' - r'W' - W'r' - r W'') / W. */
-static void remainder_bounds(const rest *r, bool rational, bounds b[3])
+/* What W does to a quotient. */
+typedef struct weight {
+    double low;                   /* W >= low */
+    double off;                   /* |1 - W| / low */
+    double ds, dt, dss, dst, dtt; /* magnitudes of its derivatives, over low */
+} weight;
+
+static weight weight_bounds(const ep_fit *f, double least)
 {
-    const size_t count = r->kind->point_count(r->m, r->n);
-    for (int c = 0; c < 3; ++c) b[c] = net_bounds(r, c);
-    if (!rational) return;
-    const bounds w = net_bounds(r, 3);
-    const double w0 = w.value.lo, ws = mag(w.ds), wt = mag(w.dt);
-    for (int c = 0; c < 3; ++c) {
-        bounds q;
-        q.value = quotient_range(r->net, count, c);
-        const double v = mag(q.value);
-        q.ds = divide(b[c].ds, w.value, v * ws / w0);
-        q.dt = divide(b[c].dt, w.value, v * wt / w0);
-        const double vs = mag(q.ds), vt = mag(q.dt);
-        q.dss = divide(b[c].dss, w.value, (2 * vs * ws + v * mag(w.dss)) / w0);
-        q.dst = divide(b[c].dst, w.value, (vs * wt + vt * ws + v * mag(w.dst)) / w0);
-        q.dtt = divide(b[c].dtt, w.value, (2 * vt * wt + v * mag(w.dtt)) / w0);
-        b[c] = q;
-    }
+    const bounds w = series_bounds(f, 3);
+    const double low = fmax(w.value.lo, least);
+    return (weight){low,
+                    fmax(1 - w.value.lo, w.value.hi - 1) / low,
+                    mag(w.ds) / low,
+                    mag(w.dt) / low,
+                    mag(w.dss) / low,
+                    mag(w.dst) / low,
+                    mag(w.dtt) / low};
 }
 
-/* The frame whose plane touches the piece at the middle of its domain, with the tangents there as sides. */
-static bool tangent_frame(const ep_frame *at, const double middle[2], frame *f)
+/* r = R/W = R + R (1-W)/W, r' = (R' - r W')/W, r'' = (R'' - r'W' - W'r' - r W'')/W. */
+static bounds quotient_bounds(bounds b, const weight *w)
 {
-    const ep_vec3 n = ep_cross(at->pu, at->pv);
+    bounds q;
+    q.value = widen(b.value, mag(b.value) * w->off);
+    const double v = mag(q.value);
+    q.ds = widen(b.ds, mag(b.ds) * w->off + v * w->ds);
+    q.dt = widen(b.dt, mag(b.dt) * w->off + v * w->dt);
+    const double vs = mag(q.ds), vt = mag(q.dt);
+    q.dss = widen(b.dss, mag(b.dss) * w->off + 2 * vs * w->ds + v * w->dss);
+    q.dst = widen(b.dst, mag(b.dst) * w->off + vs * w->dt + vt * w->ds + v * w->dst);
+    q.dtt = widen(b.dtt, mag(b.dtt) * w->off + 2 * vt * w->dt + v * w->dtt);
+    return q;
+}
+
+/* The frame whose plane touches the piece where its tangents are ds, dt, with these as sides. */
+static bool tangent_frame(ep_vec3 ds, ep_vec3 dt, frame *f)
+{
+    const ep_vec3 n = ep_cross(ds, dt);
     const double area = ep_length(n);
     /* Sides shorter than 2^-40 of each other, or as parallel, are a pole or a cusp as far as doubles can tell. */
-    if (!(area > 0x1p-40 * (ep_dot(at->pu, at->pu) + ep_dot(at->pv, at->pv)))) return false;
+    if (!(area > 0x1p-40 * (ep_dot(ds, ds) + ep_dot(dt, dt)))) return false;
     const ep_vec3 unit = ep_scale(1 / area, n);
-    f->row[0] = ep_scale(1 / area, ep_cross(at->pv, unit));
-    f->row[1] = ep_scale(1 / area, ep_cross(unit, at->pu));
+    f->row[0] = ep_scale(1 / area, ep_cross(dt, unit));
+    f->row[1] = ep_scale(1 / area, ep_cross(unit, ds));
     f->row[2] = ep_scale(1 / sqrt(area), unit); /* heights in units of the piece's width */
-    for (int c = 0; c < 3; ++c) f->offset[c] = (c < 2 ? middle[c] : 0) - ep_dot(f->row[c], at->p);
     return true;
 }
 
-static void round_frame(frame *f, float columns[4][3])
+static void round_frame(frame *f, ep_leaf *leaf)
 {
     for (int c = 0; c < 3; ++c) {
-        columns[0][c] = (float)f->row[c].x;
-        columns[1][c] = (float)f->row[c].y;
-        columns[2][c] = (float)f->row[c].z;
-        columns[3][c] = (float)f->offset[c];
-        f->row[c] = ep_v3(columns[0][c], columns[1][c], columns[2][c]);
-        f->offset[c] = columns[3][c];
+        leaf->frame[0][c] = (float)f->row[c].x;
+        leaf->frame[1][c] = (float)f->row[c].y;
+        leaf->frame[2][c] = (float)f->row[c].z;
+        f->row[c] = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
     }
+    const double det = ep_dot(f->row[0], ep_cross(f->row[1], f->row[2]));
+    for (int c = 0; c < 3; ++c) f->column[c] = ep_scale(1 / det, ep_cross(f->row[(c + 1) % 3], f->row[(c + 2) % 3]));
 }
 
-/* The quarters of the unit domain. */
-static unsigned quarters(const ep_kind *kind, ep_domain part[4])
+/* The series in the frame about a point of space, and with it the remainder's. */
+static void change_coordinates(ep_fit *f, const ep_point *q, const frame *g, ep_vec3 origin)
 {
-    const ep_domain unit = { 0, 0, 1, 0, 0, 1 };
-    ep_domain half[4], two[4];
-    const unsigned n = kind->split(&unit, 0, half);
-    if (n == 4) {
-        memcpy(part, half, sizeof half);
-        return 4;
+    const size_t count = f->kind->point_count(f->m, f->n);
+    for (size_t k = 0; k < count; ++k) {
+        const double w = q[k][3];
+        const ep_vec3 x = ep_sub(ep_v3(q[k][0], q[k][1], q[k][2]), ep_scale(w, origin));
+        for (int c = 0; c < 3; ++c) f->series[k][c] = ep_dot(g->row[c], x);
+        f->series[k][3] = w;
     }
-    for (unsigned k = 0; k < 2; ++k) {
-        kind->split(&half[k], 1, two);
-        part[2 * k] = two[0];
-        part[2 * k + 1] = two[1];
-    }
-    return 4;
+    make_rest(f);
 }
 
-static void point_box(const ep_point *q, size_t count, double lower[3], double upper[3])
+/* A piece without a frame is a box around its control points. */
+static void irregular(const ep_patch *p, const ep_point *local, const ep_domain *d, ep_fit *f)
 {
-    for (size_t k = 0; k < count; ++k)
-        for (int c = 0; c < 3; ++c) {
-            const double x = q[k][c] / q[k][3];
-            lower[c] = fmin(lower[c], x);
-            upper[c] = fmax(upper[c], x);
+    ep_leaf *leaf = &f->leaf;
+    const size_t count = f->kind->point_count(f->m, f->n);
+    f->kind->restrict_to(local, f->m, f->n, d, f->series);
+    for (int c = 0; c < 3; ++c) {
+        f->lower[c] = INFINITY, f->upper[c] = -INFINITY;
+        for (size_t k = 0; k < count; ++k) {
+            const double x = p->centre[c] + f->series[k][c] / f->series[k][3];
+            f->lower[c] = fmin(f->lower[c], x);
+            f->upper[c] = fmax(f->upper[c], x);
         }
+        leaf->centre[c] = (float)p->centre[c];
+    }
+    leaf->height = leaf->side = INFINITY;
+    leaf->degree_s = leaf->degree_t = 0;
+    leaf->rational = leaf->shape = 0;
+    f->regular = false;
+    f->thickness = f->distortion = INFINITY;
+    f->net_floats = 0;
+    f->error = 0;
 }
 
-static void irregular(ep_leaf *leaf, ep_fit_info *info)
+/* Sum of |coefficient c| times its monomial's maximum. */
+static double magnitude(const ep_fit *f, const ep_point *net, unsigned m, unsigned n, int c)
 {
-    memset(leaf->frame, 0, sizeof leaf->frame);
-    leaf->height = leaf->side_s = leaf->side_t = INFINITY;
-    for (int c = 0; c < 3; ++c) leaf->bend[c] = leaf->warp[c] = INFINITY;
-    leaf->noise_st = leaf->noise_h = leaf->stretch = INFINITY;
-    leaf->reach_st = leaf->reach_h = 0;
-    info->regular = false;
-    info->thickness = info->distortion = INFINITY;
+    double sum = 0;
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= m; ++i) {
+            const size_t at = f->kind->index(m, n, i, j);
+            if (at != SIZE_MAX) sum += fabs(net[at][c]) * monomial(f, i, j);
+        }
+    return sum;
 }
 
-/* Rounding of F, in leaf coordinates; eps = 2^-24, R the patch's radius.
- *
- * A weight B_i(u) is a binomial times two powers: m+2 roundings; a sum of m+1 terms by fused multiply-adds: m+1 more;
- * likewise in v; the points carry one rounding, and two levels of linear mixing add at most 6 eps R. All sums are
- * convex, so |dS| <= (2(m+n) + 14) eps R; a rational point is a quotient of two such sums, whose error grows by at
- * most twice the ratio of the largest weight to the smallest W here. The moved origin adds 5 eps R. The frame then
- * multiplies by the sum norm of its rows and adds 4 eps; u = u0 + s uu rounds by eps, which is eps/uu in s. */
-static void rounding(const ep_patch *p, const ep_domain *d, const frame *f, double w_min, ep_leaf *leaf)
+/* The largest contribution to a coordinate of the terms that a series of degree (m, n) has no place for. */
+static double beyond(const ep_fit *f, unsigned m, unsigned n)
 {
-    const double ratio = p->rational ? 2 * p->weight_max / w_min : 1;
-    const double ds = ((2.0 * (p->degree_u + p->degree_v) + 14) * ratio + 5) * EP_EPS_F * p->radius;
-    const double n_st = fmax(ep_norm1(f->row[0]), ep_norm1(f->row[1])), n_h = ep_norm1(f->row[2]);
-    const double det = fabs(d->uu * d->vv - d->uv * d->vu);
-    const double longest = fmax(fmax(fabs(d->uu), fabs(d->uv)), fmax(fabs(d->vu), fabs(d->vv)));
-    const double shortest = det / longest; /* at most the domain's smaller width */
-    leaf->noise_st = ep_round_up(n_st * ds + 4 * EP_EPS_F + 3 * EP_EPS_F / shortest);
-    leaf->noise_h = ep_round_up(n_h * ds + 4 * EP_EPS_F);
-    leaf->reach_st = ep_round_up(8 * EP_EPS_F * n_st);
-    leaf->reach_h = ep_round_up(8 * EP_EPS_F * n_h);
-    /* M(o) also rounds its offset */
-    const double o_st = 8 * EP_EPS_F * fmax(fabs(f->offset[0]), fabs(f->offset[1]));
-    const double o_h = 8 * EP_EPS_F * fabs(f->offset[2]);
-    leaf->side_s = ep_round_up(leaf->side_s + o_st);
-    leaf->side_t = ep_round_up(leaf->side_t + o_st);
-    leaf->model_st = ep_round_up(leaf->model_st + o_st);
-    leaf->height = ep_round_up(leaf->height + o_h);
-    leaf->model_h = ep_round_up(leaf->model_h + o_h);
+    double largest = 0;
+    for (int c = 0; c < 4; ++c) {
+        double sum = 0;
+        for (unsigned j = 0; j <= f->n; ++j)
+            for (unsigned i = 0; i <= f->m; ++i) {
+                const size_t at = f->kind->index(f->m, f->n, i, j);
+                if (at == SIZE_MAX || f->kind->index(m, n, i, j) != SIZE_MAX) continue;
+                sum += fabs(f->series[at][c]) * monomial(f, i, j);
+            }
+        largest = fmax(largest, sum);
+    }
+    return largest;
 }
 
-/* The quadratic with r's value at the middle of the domain, no slope there, and the middle of the range of each second
- * derivative. By Taylor's theorem with integral remainder about the middle x0, |r - model| <= |Dr(x0)| |x - x0| +
- * (half range of r_ss) (s-s0)²/2 + (of r_st) |s-s0||t-t0| + (of r_tt) (t-t0)²/2; Dr(x0) is the frame's rounding. */
-static void model(const ep_kind *kind, const ep_frame *at, const frame *f, const bounds b[3], ep_leaf *leaf)
+/* The kernel needs no term that is lost in one rounding of a coordinate: small pieces of surfaces of high degree, and
+ * of surfaces that are less curved than their degree allows, get by with fewer. Returns what is left out. */
+static double reduce(ep_fit *f)
 {
+    ep_leaf *leaf = &f->leaf;
+    const bool triangle = f->kind == &ep_kinds[EP_KIND_TRIANGLE];
+    unsigned m = f->m, n = f->n;
+    while (m > 1 && beyond(f, m - 1, triangle ? m - 1 : n) <= EP_EPS_F) --m;
+    if (triangle) n = m;
+    while (!triangle && n > 1 && beyond(f, m, n - 1) <= EP_EPS_F) --n;
+    const double lost = beyond(f, m, n);
+    /* a weight that is one to within a rounding is one */
+    const double off = magnitude(f, f->series, f->m, f->n, 3) - 1;
+    if (leaf->rational && off <= EP_EPS_F) leaf->rational = 0;
+    const unsigned special = m > n ? m : n;
+    if (special <= EP_SPECIAL_DEGREES) m = n = special;
+    leaf->degree_s = (uint8_t)m;
+    leaf->degree_t = (uint8_t)n;
+    leaf->shape = (uint8_t)((triangle * 2u + leaf->rational) * (EP_SPECIAL_DEGREES + 1) +
+                            (special <= EP_SPECIAL_DEGREES ? special : 0));
+    f->net_floats = ep_leaf_stride(leaf) * f->kind->point_count(m, n) + 1; /* the last one is read as if of four */
+    return lost + fmax(off, 0) * !leaf->rational;
+}
+
+/* The model is r's middle and the middle of the range of each second derivative. By Taylor's theorem with integral
+ * remainder about the middle, |r - model| <= |r_s| |s| + |r_t| |t| + half ranges of r_ss s²/2 + r_st st + r_tt t²/2. */
+static void model(const ep_fit *f, const bounds b[3], double lost, ep_leaf *leaf)
+{
+    const ep_kind *kind = f->kind;
     double error[3];
+    leaf->middle = (float)f->rest[0][2];
     for (int c = 0; c < 3; ++c) {
-        const double middle = c < 2 ? kind->centre[c] : 0;
-        leaf->model[0][c] = (float)(ep_dot(f->row[c], at->p) + f->offset[c] - middle);
-        leaf->model[1][c] = (float)mid(b[c].dss);
-        leaf->model[2][c] = (float)mid(b[c].dst);
-        leaf->model[3][c] = (float)mid(b[c].dtt);
-        const double ds = fabs(ep_dot(f->row[c], at->pu) - (c == 0)), dt = fabs(ep_dot(f->row[c], at->pv) - (c == 1));
-        error[c] = ds + dt + half(b[c].dss) * kind->square / 2 + half(b[c].dst) * kind->product +
-                   half(b[c].dtt) * kind->square / 2;
+        leaf->second[0][c] = (float)mid(b[c].dss);
+        leaf->second[1][c] = (float)mid(b[c].dst);
+        leaf->second[2][c] = (float)mid(b[c].dtt);
+        /* R's slope is r's but for r W' */
+        const size_t s = kind->index(rest_m(f), rest_n(f), 1, 0), t = kind->index(rest_m(f), rest_n(f), 0, 1);
+        const double *w = f->rest[0];
+        const double slope = fabs(f->rest[s][c] - w[c] * f->rest[s][3]) + fabs(f->rest[t][c] - w[c] * f->rest[t][3]);
+        error[c] = lost + (c < 2 ? fabs(w[c]) : 0) + slope * kind->extent +
+                   (half(b[c].dss) + half(b[c].dtt)) * kind->monomial(2, 0) / 2 + half(b[c].dst) * kind->monomial(1, 1);
         /* and what the kernels' arithmetic adds to a handful of terms below this */
         error[c] += 16 * EP_EPS_F * (1 + mag(b[c].dss) + mag(b[c].dst) + mag(b[c].dtt));
     }
@@ -258,89 +294,152 @@ static void model(const ep_kind *kind, const ep_frame *at, const frame *f, const
     leaf->model_h = ep_round_up(error[2]);
 }
 
-/* For the frame's matrix M, M a x M b = det M M^-T (a x b); and S_s x S_t = (uu vv - uv vu) S_u x S_v. */
-static void volume(const ep_domain *d, const frame *f, ep_leaf *leaf)
+/* Rounding of F in leaf coordinates; eps = 2^-24.
+ *
+ * A Horner scheme of degree (m, n) with coefficients rounded once errs by at most (2m + 2n + 3) eps times the sum of
+ * the terms' magnitudes; a quotient adds the same for its denominator, times the value, which is at most one, and two.
+ * The moved origin is right to 2 eps of itself and no farther than 3/2 of the piece's sides; M adds 3 eps of
+ * the terms that it adds up. Adding x - M(o') and r takes 2 eps of two at most, each. */
+static void rounding(const ep_patch *p, ep_fit *f, const frame *g, const weight *w, double lost, ep_leaf *leaf)
 {
-    const double det = ep_dot(f->row[0], ep_cross(f->row[1], f->row[2]));
-    leaf->volume = (float)(1 / (det * (d->uu * d->vv - d->uv * d->vu)));
+    const unsigned m = leaf->degree_s, n = leaf->degree_t;
+    const double horner = (2.0 * (m + n) + 3) * EP_EPS_F;
+    double error[3], moved[3], total[3];
+    for (int c = 0; c < 3; ++c) {
+        if (leaf->rational)
+            error[c] =
+                horner * (magnitude(f, f->series, f->m, f->n, c) + magnitude(f, f->series, f->m, f->n, 3)) / w->low +
+                2 * EP_EPS_F;
+        else error[c] = horner * magnitude(f, f->rest, rest_m(f), rest_n(f), c);
+    }
+    const double *a = &g->column[0].x, *b = &g->column[1].x;
+    for (int k = 0; k < 3; ++k) moved[k] = 1.5 * (fabs(a[k]) + fabs(b[k]));
+    /* the series was computed in double from points of the size of the patch, anywhere in space */
+    const double far = fabs(p->centre[0]) + fabs(p->centre[1]) + fabs(p->centre[2]);
+    const double made = 16 * EP_EPS_D * far + f->loss * p->radius;
+    for (int c = 0; c < 3; ++c) {
+        const double row[3] = {fabs(g->row[c].x), fabs(g->row[c].y), fabs(g->row[c].z)};
+        const double frame_sum = row[0] * moved[0] + row[1] * moved[1] + row[2] * moved[2];
+        total[c] = error[c] + lost + 5 * EP_EPS_F * frame_sum + ep_norm1(g->row[c]) * made;
+        if (c < 2) total[c] += 4 * EP_EPS_F;
+        total[c] *= 1 + 0x1p-10;
+    }
+    leaf->noise_st = ep_round_up(fmax(total[0], total[1]));
+    leaf->noise_h = ep_round_up(total[2]);
+    f->error =
+        (ep_norm1(g->column[0]) + ep_norm1(g->column[1])) * leaf->noise_st + ep_norm1(g->column[2]) * leaf->noise_h;
+    /* The plane's point from the unmoved origin: both o and t d are in it, 5 eps each; o is as long as t d but for
+     * the piece's size. */
+    const double st = fmax(ep_norm1(g->row[0]), ep_norm1(g->row[1])), h = ep_norm1(g->row[2]);
+    leaf->reach_st = ep_round_up(12 * EP_EPS_F * st);
+    leaf->reach_h = ep_round_up(12 * EP_EPS_F * h);
+    leaf->side = ep_round_up(leaf->side + 2 * leaf->noise_st);
+    leaf->height = ep_round_up(leaf->height + 2 * leaf->noise_h);
 }
 
-void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, bool tighten, ep_leaf *leaf,
-                 ep_fit_info *info)
+void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, ep_fit *f)
 {
     const ep_kind *kind = &ep_kinds[p->kind];
-    const unsigned m = p->degree_u, n = p->degree_v;
-    const size_t count = kind->point_count(m, n);
-    const bool rational = p->rational;
-    ep_point q[MAX_POINTS], part_net[MAX_POINTS];
-    ep_domain part[4];
-    const unsigned parts = tighten ? quarters(kind, part) : 0;
-
+    ep_leaf *leaf = &f->leaf;
+    f->kind = kind;
+    f->m = p->degree_u;
+    f->n = p->degree_v;
+    memset(leaf, 0, sizeof *leaf);
+    leaf->rational = p->rational;
+    f->raised = p->rational;
     leaf->domain[0] = (float)d->u0, leaf->domain[1] = (float)d->v0;
     leaf->domain[2] = (float)d->uu, leaf->domain[3] = (float)d->vv;
     leaf->domain[4] = (float)d->uv, leaf->domain[5] = (float)d->vu;
+    for (unsigned j = 0; j <= rest_n(f); ++j)
+        for (unsigned i = 0; i <= rest_m(f); ++i) {
+            const size_t at = kind->index(rest_m(f), rest_n(f), i, j);
+            if (at != SIZE_MAX) f->monomial[at] = kind->monomial(i, j);
+        }
 
-    kind->restrict_to(local, m, n, d, q);
-    for (int c = 0; c < 3; ++c) info->lower[c] = INFINITY, info->upper[c] = -INFINITY;
-    if (!tighten) point_box(q, count, info->lower, info->upper);
-    for (unsigned k = 0; k < parts; ++k) {
-        kind->restrict_to(q, m, n, &part[k], part_net);
-        point_box(part_net, count, info->lower, info->upper);
-    }
-
-    ep_jet jet;
-    kind->eval(q, m, n, kind->centre[0], kind->centre[1], &jet);
-    const ep_frame at = ep_project(&jet);
-    info->turn[0] = ep_length(at.pu);
-    info->turn[1] = ep_length(at.pv);
-    frame f;
-    rest r;
-    bounds b[3];
-    if (!tangent_frame(&at, kind->centre, &f)) {
-        irregular(leaf, info);
+    ep_point q[EP_NET_POINTS];
+    kind->series(local, f->m, f->n, d, q);
+    const size_t count = kind->point_count(f->m, f->n), s = kind->index(f->m, f->n, 1, 0),
+                 t = kind->index(f->m, f->n, 0, 1);
+    const double w0 = q[0][3], side = fmax(fabs(d->uu) + fabs(d->uv), fabs(d->vu) + fabs(d->vv));
+    f->loss = 16 * EP_EPS_D * (f->m + f->n) * pow(1 + side, f->m + f->n); /* of binomials times powers of the side */
+    for (size_t k = 0; k < count; ++k)
+        for (int c = 0; c < 4; ++c) q[k][c] /= w0;
+    const ep_vec3 at = ep_v3(q[0][0], q[0][1], q[0][2]);
+    const ep_vec3 ds = ep_sub(ep_v3(q[s][0], q[s][1], q[s][2]), ep_scale(q[s][3], at));
+    const ep_vec3 dt = ep_sub(ep_v3(q[t][0], q[t][1], q[t][2]), ep_scale(q[t][3], at));
+    f->turn[0] = ep_length(ds);
+    f->turn[1] = ep_length(dt);
+    frame g;
+    if (!tangent_frame(ds, dt, &g)) {
+        irregular(p, local, d, f);
         return;
     }
-    make_remainder(kind, m, n, rational, q, &f, &r);
-    for (int c = 0; c < 3; ++c) f.offset[c] -= mid(quotient_range(r.net, kind->point_count(r.m, r.n), c));
-    round_frame(&f, leaf->frame);
-    make_remainder(kind, m, n, rational, q, &f, &r);
-    remainder_bounds(&r, rational, b);
-
-    range value[3] = { b[0].value, b[1].value, b[2].value };
-    if (tighten) {
-        value[0] = value[1] = value[2] = nothing;
-        for (unsigned k = 0; k < parts; ++k) {
-            kind->restrict_to(r.net, r.m, r.n, &part[k], part_net);
-            for (int c = 0; c < 3; ++c) {
-                const range v = quotient_range(part_net, kind->point_count(r.m, r.n), c);
-                include(&value[c], v.lo);
-                include(&value[c], v.hi);
-            }
-        }
-    }
-
+    round_frame(&g, leaf);
+    change_coordinates(f, q, &g, at);
+    const weight w = weight_bounds(f, p->weight_min / w0);
+    ep_vec3 origin = ep_add(at, ep_scale(mid(quotient_bounds(series_bounds(f, 2), &w).value), g.column[2]));
+    double *o = &origin.x;
     for (int c = 0; c < 3; ++c) {
-        leaf->bend[c] = ep_round_up(mag(b[c].dss) + 2 * mag(b[c].dst) + mag(b[c].dtt));
-        leaf->warp[c] = ep_round_up(half(b[c].dss) + 2 * half(b[c].dst) + half(b[c].dtt) +
-                                    EP_EPS_F * leaf->bend[c]); /* the model's rounding */
+        const double x = p->centre[c] + o[c];
+        leaf->centre[c] = (float)x;
+        leaf->centre_low[c] = (float)(x - leaf->centre[c]);
+        o[c] = ((double)leaf->centre[c] - p->centre[c]) + leaf->centre_low[c];
     }
-    leaf->side_s = ep_round_up(mag(value[0]));
-    leaf->side_t = ep_round_up(mag(value[1]));
-    leaf->height = ep_round_up(mag(value[2]));
-    double w_min = INFINITY;
-    for (size_t k = 0; k < count; ++k) w_min = fmin(w_min, q[k][3]);
-    info->regular = true;
-    info->thickness = 2 * mag(value[2]);
-    info->distortion = fmax(mag(b[0].ds) + mag(b[0].dt), mag(b[1].ds) + mag(b[1].dt));
-    leaf->stretch = ep_round_up(info->distortion);
-    model(kind, &at, &f, b, leaf);
-    volume(d, &f, leaf);
-    rounding(p, d, &f, w_min, leaf);
+    change_coordinates(f, q, &g, origin);
+    bounds b[3];
+    for (int c = 0; c < 3; ++c) b[c] = quotient_bounds(series_bounds(f, c), &w);
+
+    leaf->bend_st = leaf->warp_st = 0;
+    for (int c = 0; c < 3; ++c) {
+        float *bend = c < 2 ? &leaf->bend_st : &leaf->bend_h, *warp = c < 2 ? &leaf->warp_st : &leaf->warp_h;
+        *bend = fmaxf(*bend, ep_round_up(mag(b[c].dss) + 2 * mag(b[c].dst) + mag(b[c].dtt)));
+        *warp = fmaxf(*warp, ep_round_up(half(b[c].dss) + 2 * half(b[c].dst) + half(b[c].dtt) +
+                                         EP_EPS_F * *bend)); /* the model's rounding */
+    }
+    leaf->side = ep_round_up(fmax(mag(b[0].value), mag(b[1].value)));
+    leaf->height = ep_round_up(mag(b[2].value));
+    f->regular = leaf->height < INFINITY && leaf->side < INFINITY;
+    f->thickness = 2 * mag(b[2].value);
+    f->distortion = fmax(mag(b[0].ds) + mag(b[0].dt), mag(b[1].ds) + mag(b[1].dt));
+    const double lost = reduce(f);
+    model(f, b, lost, leaf);
+    rounding(p, f, &g, &w, lost, leaf);
+    /* For the frame's matrix M, M a x M b = det M M^-T (a x b); and S_s x S_t = (uu vv - uv vu) S_u x S_v. */
+    leaf->volume = (float)(1 / (ep_dot(g.row[0], ep_cross(g.row[1], g.row[2])) * (d->uu * d->vv - d->uv * d->vu)));
+
+    for (int k = 0; k < 3; ++k) {
+        const double a[2] = {(&g.column[0].x)[k], (&g.column[1].x)[k]}, none[2] = {0, 0};
+        const double r[4] = {a[0], a[1], (&g.column[2].x)[k], 0};
+        const ep_range x = widen(linear_range(f, a, r), mag(linear_range(f, none, r)) * w.off);
+        const double centre = (double)leaf->centre[k] + leaf->centre_low[k];
+        f->lower[k] = centre + x.lo;
+        f->upper[k] = centre + x.hi;
+    }
 
     /* Halving the first side quarters what r'' in s adds to the height, and halves what it adds to E. The mixed term of
      * r_t behaves like that too, while that of r_s, a fan, does not care how wide it is and asks for the other side.
      * Twist and a little of everything goes by length, so that pieces stay square. */
-    const double longer = fmax(info->turn[0], info->turn[1]), square = mag(b[2].dst) + 0x1p-10;
-    info->turn[0] = mag(b[2].dss) + mag(b[0].dss) + mag(b[1].dss) + mag(b[1].dst) + square * info->turn[0] / longer;
-    info->turn[1] = mag(b[2].dtt) + mag(b[0].dtt) + mag(b[1].dtt) + mag(b[0].dst) + square * info->turn[1] / longer;
+    const double longer = fmax(f->turn[0], f->turn[1]), square = mag(b[2].dst) + 0x1p-10;
+    f->turn[0] = mag(b[2].dss) + mag(b[0].dss) + mag(b[1].dss) + mag(b[1].dst) + square * f->turn[0] / longer;
+    f->turn[1] = mag(b[2].dtt) + mag(b[0].dtt) + mag(b[1].dtt) + mag(b[0].dst) + square * f->turn[1] / longer;
+}
+
+void ep_leaf_pack(const ep_fit *f, float *net)
+{
+    const ep_leaf *leaf = &f->leaf;
+    if (!f->net_floats) return;
+    const unsigned m = leaf->degree_s, n = leaf->degree_t, stride = ep_leaf_stride(leaf);
+    memset(net, 0, f->net_floats * sizeof *net);
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= m; ++i) {
+            const size_t to = f->kind->index(m, n, i, j), from = f->kind->index(f->m, f->n, i, j);
+            if (to == SIZE_MAX || from == SIZE_MAX) continue;
+            double x[4];
+            memcpy(x, f->series[from], sizeof x);
+            if (!leaf->rational) {
+                x[0] -= i == 1 && j == 0;
+                x[1] -= i == 0 && j == 1;
+            }
+            for (unsigned c = 0; c < stride; ++c) net[stride * to + c] = (float)x[c];
+        }
 }

@@ -3,31 +3,40 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "embree_patch/patch.h"
 
-#include <string.h>
-
-static void put(float *to, const ep_point p)
+static ep_range sum(ep_range a, ep_range b)
 {
-    for (int c = 0; c < 4; ++c) to[c] = (float)p[c];
+    return (ep_range){a.lo + b.lo, a.hi + b.hi};
+}
+static ep_range common(ep_range a, ep_range b)
+{
+    return (ep_range){fmax(a.lo, b.lo), fmin(a.hi, b.hi)};
+}
+static ep_range times(double c, double lo, double hi)
+{
+    return c < 0 ? (ep_range){c * hi, c * lo} : (ep_range){c * lo, c * hi};
+}
+static ep_range hull(const double *b, int n)
+{
+    ep_range r = {b[0], b[0]};
+    for (int i = 1; i < n; ++i) r = (ep_range){fmin(r.lo, b[i]), fmax(r.hi, b[i])};
+    return r;
 }
 
-static size_t tensor_point_count(unsigned m, unsigned n) { return (size_t)(m + 1) * (n + 1); }
-static size_t tensor_block_count(unsigned m, unsigned n) { return (size_t)m * n; }
+/* Rectangles: leaf coordinates in [-1/2, 1/2]². */
+
+static size_t tensor_point_count(unsigned m, unsigned n)
+{
+    return (size_t)(m + 1) * (n + 1);
+}
 
 static void tensor_restrict(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out)
 {
     ep_tensor_restrict(net, m, n, d->u0, d->u0 + d->uu, d->v0, d->v0 + d->vv, out);
 }
 
-static void tensor_pack(const ep_point *net, unsigned m, unsigned n, float *blocks)
+static void tensor_series(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out)
 {
-    for (unsigned j = 0; j < n; ++j)
-        for (unsigned i = 0; i < m; ++i, blocks += 16) {
-            const ep_point *p = net + j * (m + 1) + i;
-            put(blocks, p[0]);
-            put(blocks + 4, p[m + 1]);
-            put(blocks + 8, p[1]);
-            put(blocks + 12, p[m + 2]);
-        }
+    ep_tensor_series(net, m, n, d->u0 + d->uu / 2, d->uu, d->v0 + d->vv / 2, d->vv, out);
 }
 
 static unsigned tensor_split(const ep_domain *d, unsigned along, ep_domain part[4])
@@ -48,46 +57,36 @@ static size_t tensor_index(unsigned m, unsigned n, unsigned i, unsigned j)
     return i <= m && j <= n ? (size_t)j * (m + 1) + i : SIZE_MAX;
 }
 
-static void tensor_raise(const ep_point *net, unsigned m, unsigned n, ep_point *out, double *sw, double *tw)
+/* Term by term, s² is in [0, 1/4]; the control points of degree (2, 2), where it is in [-1/4, 1/4], know that it grows
+ * where s does. */
+static ep_range tensor_quadratic(const double c[6])
 {
-    for (unsigned j = 0; j <= n + 1; ++j)
-        for (unsigned i = 0; i <= m + 1; ++i, ++out, ++sw, ++tw) {
-            const double s = i / (m + 1.0), t = j / (n + 1.0);
-            memset(*out, 0, sizeof *out);
-            *sw = *tw = 0;
-            for (unsigned b = 0; b < 2; ++b)
-                for (unsigned a = 0; a < 2; ++a) { /* a, b: this factor lowers i, j */
-                    const double f = (a ? s : 1 - s) * (b ? t : 1 - t);
-                    if (f == 0) continue;
-                    const double *p = net[tensor_index(m, n, i - a, j - b)];
-                    for (int c = 0; c < 4; ++c) (*out)[c] += f * p[c];
-                    if (a) *sw += f * p[3];
-                    if (b) *tw += f * p[3];
-                }
-        }
+    static const double x[3] = {-0.5, 0, 0.5}, xx[3] = {0.25, -0.25, 0.25};
+    double b[9];
+    for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i)
+            b[3 * j + i] = c[0] + c[1] * x[i] + c[2] * x[j] + c[3] * xx[i] + c[4] * x[i] * x[j] + c[5] * xx[j];
+    ep_range r = {c[0], c[0]};
+    r = sum(r, sum(times(c[1], -0.5, 0.5), times(c[2], -0.5, 0.5)));
+    r = sum(r, sum(times(c[3], 0, 0.25), sum(times(c[4], -0.25, 0.25), times(c[5], 0, 0.25))));
+    return common(r, hull(b, 9));
 }
 
-static size_t tri_point_count(unsigned n, unsigned unused) { return (void)unused, ep_tri_count(n); }
-static size_t tri_block_count(unsigned n, unsigned unused) { return (void)unused, ep_tri_count(n - 1); }
+static double tensor_monomial(unsigned i, unsigned j)
+{
+    return ldexp(1, -(int)(i + j));
+}
+
+/* Triangles: leaf coordinates with corners (-1/3, -1/3), (2/3, -1/3), (-1/3, 2/3). */
+
+static size_t tri_point_count(unsigned n, unsigned unused)
+{
+    return (void)unused, ep_tri_count(n);
+}
 
 static size_t tri_index(unsigned n, unsigned unused, unsigned i, unsigned j)
 {
     return (void)unused, i + j <= n ? ep_tri_index(n, i, j) : SIZE_MAX;
-}
-
-static void tri_raise(const ep_point *net, unsigned n, unsigned unused, ep_point *out, double *sw, double *tw)
-{
-    (void)unused;
-    for (unsigned j = 0; j <= n + 1; ++j)
-        for (unsigned i = 0; i <= n + 1 - j; ++i, ++out, ++sw, ++tw) {
-            const double s = i / (n + 1.0), t = j / (n + 1.0);
-            static const ep_point zero = { 0 };
-            const double *ps = i ? net[ep_tri_index(n, i - 1, j)] : zero, *pt = j ? net[ep_tri_index(n, i, j - 1)] : zero,
-                         *p = i + j <= n ? net[ep_tri_index(n, i, j)] : zero;
-            for (int c = 0; c < 4; ++c) (*out)[c] = s * ps[c] + t * pt[c] + (1 - s - t) * p[c];
-            *sw = s * ps[3];
-            *tw = t * pt[3];
-        }
 }
 
 static void tri_eval(const ep_point *net, unsigned n, unsigned unused, double u, double v, ep_jet *jet)
@@ -99,45 +98,66 @@ static void tri_eval(const ep_point *net, unsigned n, unsigned unused, double u,
 static void tri_restrict(const ep_point *net, unsigned n, unsigned unused, const ep_domain *d, ep_point *out)
 {
     (void)unused;
-    const double W[2] = { d->u0, d->v0 };
-    const double U[2] = { d->u0 + d->uu, d->v0 + d->vu };
-    const double V[2] = { d->u0 + d->uv, d->v0 + d->vv };
+    const double W[2] = {d->u0, d->v0};
+    const double U[2] = {d->u0 + d->uu, d->v0 + d->vu};
+    const double V[2] = {d->u0 + d->uv, d->v0 + d->vv};
     ep_tri_restrict(net, n, U, V, W, out);
 }
 
-static void tri_pack(const ep_point *net, unsigned n, unsigned unused, float *blocks)
+static void tri_series(const ep_point *net, unsigned n, unsigned unused, const ep_domain *d, ep_point *out)
 {
-    static const ep_point zero = { 0 };
     (void)unused;
-    for (unsigned j = 0; j < n; ++j)
-        for (unsigned i = 0; i < n - j; ++i, blocks += 16) {
-            put(blocks, net[ep_tri_index(n, i, j)]);
-            put(blocks + 4, net[ep_tri_index(n, i, j + 1)]);
-            put(blocks + 8, net[ep_tri_index(n, i + 1, j)]);
-            put(blocks + 12, zero);
-        }
+    const double X[2] = {d->u0 + (d->uu + d->uv) / 3, d->v0 + (d->vu + d->vv) / 3};
+    const double U[2] = {d->uu, d->vu}, V[2] = {d->uv, d->vv};
+    ep_tri_series(net, n, X, U, V, out);
 }
 
 static unsigned tri_split(const ep_domain *d, unsigned along, ep_domain part[4])
 {
     (void)along;
-    const ep_domain h = { d->u0, d->v0, d->uu / 2, d->uv / 2, d->vu / 2, d->vv / 2 };
+    const ep_domain h = {d->u0, d->v0, d->uu / 2, d->uv / 2, d->vu / 2, d->vv / 2};
     part[0] = part[1] = part[2] = part[3] = h;
     part[1].u0 += h.uu, part[1].v0 += h.vu;
     part[2].u0 += h.uv, part[2].v0 += h.vv;
     /* the middle one stands on its head: its origin is the midpoint of the side opposite the origin */
-    part[3] = (ep_domain){ d->u0 + h.uu + h.uv, d->v0 + h.vu + h.vv, -h.uu, -h.uv, -h.vu, -h.vv };
+    part[3] = (ep_domain){d->u0 + h.uu + h.uv, d->v0 + h.vu + h.vv, -h.uu, -h.uv, -h.vu, -h.vv};
     return 4;
 }
 
+/* As above; the control points of degree 2 are blossoms at pairs of corners, and st is in [-2/9, 1/9]. */
+static ep_range tri_quadratic(const double c[6])
+{
+    static const double corner[3][2] = {{-1.0 / 3, -1.0 / 3}, {2.0 / 3, -1.0 / 3}, {-1.0 / 3, 2.0 / 3}};
+    double b[6], at[3];
+    int n = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) {
+            const double *x = corner[i], *y = corner[j];
+            b[n++] = c[0] + c[1] * (x[0] + y[0]) / 2 + c[2] * (x[1] + y[1]) / 2 + c[3] * x[0] * y[0] +
+                     c[4] * (x[0] * y[1] + x[1] * y[0]) / 2 + c[5] * x[1] * y[1];
+        }
+    for (int i = 0; i < 3; ++i) at[i] = c[0] + c[1] * corner[i][0] + c[2] * corner[i][1];
+    const ep_range second = sum(times(c[3], 0, 4.0 / 9), sum(times(c[4], -2.0 / 9, 1.0 / 9), times(c[5], 0, 4.0 / 9)));
+    return common(sum(hull(at, 3), second), hull(b, 6));
+}
+
+/* Where |s| > 1/3, t is within 1/3 of zero, and the other way round. */
+static double tri_monomial(unsigned i, unsigned j)
+{
+    return pow(2.0 / 3, i > j ? i : j) * pow(1.0 / 3, i > j ? j : i);
+}
+
 const ep_kind ep_kinds[2] = {
-    [EP_KIND_TENSOR] = { "tensor", tensor_point_count, tensor_block_count, ep_tensor_eval, tensor_restrict,
-                         tensor_pack, tensor_split, tensor_index, tensor_raise, 1, 0, { 0.5, 0.5 }, 1.0 / 4, 1.0 / 4 },
-    [EP_KIND_TRIANGLE] = { "triangle", tri_point_count, tri_block_count, tri_eval, tri_restrict, tri_pack, tri_split,
-                           tri_index, tri_raise, 1, -1, { 1.0 / 3, 1.0 / 3 }, 4.0 / 9, 2.0 / 9 },
+    [EP_KIND_TENSOR] = {"tensor", tensor_point_count, ep_tensor_eval, tensor_restrict, tensor_series, tensor_split,
+                        tensor_index, tensor_quadratic, tensor_monomial, 1.0 / 2, 1.0 / 2},
+    [EP_KIND_TRIANGLE] = {"triangle", tri_point_count, tri_eval, tri_restrict, tri_series, tri_split, tri_index,
+                          tri_quadratic, tri_monomial, 1.0 / 3, 2.0 / 3},
 };
 
-static ep_vec3 quotient(const ep_point n, double w) { return ep_v3(n[0] / w, n[1] / w, n[2] / w); }
+static ep_vec3 quotient(const ep_point n, double w)
+{
+    return ep_v3(n[0] / w, n[1] / w, n[2] / w);
+}
 
 /* N = w P, so N' = w'P + wP' and N'' = w''P + 2w'P' + wP'', solved for the derivatives of P. */
 ep_frame ep_project(const ep_jet *jet)
@@ -159,36 +179,27 @@ void ep_patch_local(const ep_patch *p, ep_point *out)
     const size_t count = ep_kinds[p->kind].point_count(p->degree_u, p->degree_v);
     for (size_t i = 0; i < count; ++i) {
         const double w = p->points[i][3];
-        for (int c = 0; c < 3; ++c)
-            out[i][c] = p->points[i][c] - w * ((double)p->centre[c] + (double)p->centre_low[c]);
+        for (int c = 0; c < 3; ++c) out[i][c] = p->points[i][c] - w * p->centre[c];
         out[i][3] = w;
     }
 }
 
-void ep_patch_pack(ep_patch *p, float *net)
+void ep_patch_measure(ep_patch *p)
 {
-    const ep_kind *kind = &ep_kinds[p->kind];
-    const size_t count = kind->point_count(p->degree_u, p->degree_v);
-    ep_point local[(EP_MAX_DEGREE + 1) * (EP_MAX_DEGREE + 1)];
-    double lo[3] = { INFINITY, INFINITY, INFINITY }, hi[3] = { -INFINITY, -INFINITY, -INFINITY };
-    p->weight_max = 1;
+    const size_t count = ep_kinds[p->kind].point_count(p->degree_u, p->degree_v);
+    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
+    p->weight_min = INFINITY;
     for (size_t i = 0; i < count; ++i) {
         const double w = p->points[i][3];
-        p->weight_max = fmaxf(p->weight_max, ep_round_up(w));
+        p->weight_min = fmin(p->weight_min, w);
         for (int c = 0; c < 3; ++c) {
             lo[c] = fmin(lo[c], p->points[i][c] / w);
             hi[c] = fmax(hi[c], p->points[i][c] / w);
         }
     }
-    double radius = 0;
+    p->radius = 0;
     for (int c = 0; c < 3; ++c) {
-        const double middle = lo[c] + (hi[c] - lo[c]) / 2;
-        p->centre[c] = (float)middle;
-        p->centre_low[c] = (float)(middle - p->centre[c]);
-        radius = fmax(radius, fmax(hi[c] - middle, middle - lo[c]) + fabs(middle) * 0x1p-46);
+        p->centre[c] = lo[c] + (hi[c] - lo[c]) / 2;
+        p->radius = fmax(p->radius, fmax(hi[c] - p->centre[c], p->centre[c] - lo[c]));
     }
-    p->radius = ep_round_up(radius);
-    ep_patch_local(p, local);
-    kind->pack(local, p->degree_u, p->degree_v, net);
-    p->net = net;
 }

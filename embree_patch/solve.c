@@ -10,11 +10,10 @@
  *   certified   when, multiplied by the inverse of the Jacobian J at its middle, the derivative of f is within e <= 1/8
  *               of the identity. Any mean A of Jacobians in the cell, and J(y) for any y in it, then differ from J by
  *               at most e relative to J; so k = |J(y)^-1 A - I| <= 2e/(1-e) <= 2/7, f is injective, and a root x* in
- *               the cell satisfies |x* - c| <= k |x* - y| <= k/(1-k) |c - y| <= 2/5 |c - y| for the Newton point c of y.
- *               So Newton from the middle either leaves the cell by more than that, or its steps shrink: no root, or
- *               the root;
- *   a root      when f1 and f2 are rounding noise on all of it: a tangency or a pole, as sharp as doubles are;
- *   split       otherwise, along the side on which f changes more.
+ *               the cell satisfies |x* - c| <= k |x* - y| <= k/(1-k) |c - y| <= 2/5 |c - y| for the Newton point c of
+ * y. So Newton from the middle either leaves the cell by more than that, or its steps shrink: no root, or the root; a
+ * root      when it holds the ray and is smaller than floats can tell: a tangency or a pole; split       otherwise,
+ * along the side on which f changes more.
  *
  * Cells are visited nearest first and those behind the nearest root are dropped, so that even a ray that runs within a
  * flat patch ends after one path down. */
@@ -27,7 +26,7 @@ enum {
     MAX_STACK = 512,
     /* A cell that is still open after this many others becomes the hit: nothing nearer was left out. It takes a
      * surface that doubles cannot tell from the ray. */
-    MAX_CELLS = 1 << 16,
+    MAX_CELLS = 1 << 13,
 };
 
 typedef struct cell {
@@ -40,8 +39,9 @@ typedef struct problem {
     unsigned m, n;
     bool triangle;
     ep_point net[MAX_POINTS]; /* f1, f2, numerator of t, w over the leaf's unit domain */
-    double t0;                /* t of the moved origin */
+    double t0, speed;         /* t of the moved origin, |d| */
     double noise;             /* rounding error of f1, f2 */
+    double small, small_t;    /* extent in f and in t of what floats cannot tell from a point */
 } problem;
 
 typedef struct range {
@@ -57,7 +57,7 @@ static void include(range *r, double x)
 static ep_domain leaf_domain(const ep_leaf *leaf)
 {
     const float *f = leaf->domain;
-    return (ep_domain){ f[0], f[1], f[2], f[4], f[5], f[3] };
+    return (ep_domain){f[0], f[1], f[2], f[4], f[5], f[3]};
 }
 
 /* The ray with its origin next to the patch: o + (t - t0) d, relative to the centre. */
@@ -69,9 +69,8 @@ typedef struct line {
 static bool make_line(const ep_patch *patch, const float org[3], const float dir[3], line *l)
 {
     l->d = ep_v3(dir[0], dir[1], dir[2]);
-    const ep_vec3 o = ep_v3((double)org[0] - patch->centre[0] - patch->centre_low[0],
-                            (double)org[1] - patch->centre[1] - patch->centre_low[1],
-                            (double)org[2] - patch->centre[2] - patch->centre_low[2]);
+    const double *c = patch->centre;
+    const ep_vec3 o = ep_v3(org[0] - c[0], org[1] - c[1], org[2] - c[2]);
     const double dd = ep_dot(l->d, l->d);
     l->t0 = -ep_dot(o, l->d) / dd;
     l->o = ep_add(o, ep_scale(l->t0, l->d));
@@ -85,21 +84,25 @@ bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], con
     if (!(leaf->height < INFINITY)) return true;
     const bool triangle = patch->kind == EP_KIND_TRIANGLE;
     double a[3], b[3], from = *lo - l.t0, to = *hi - l.t0;
+    const double *centre = patch->centre;
+    const ep_vec3 o = ep_v3(l.o.x + (centre[0] - leaf->centre[0]) - leaf->centre_low[0],
+                            l.o.y + (centre[1] - leaf->centre[1]) - leaf->centre_low[1],
+                            l.o.z + (centre[2] - leaf->centre[2]) - leaf->centre_low[2]);
     for (int c = 0; c < 3; ++c) {
         const ep_vec3 row = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
-        a[c] = ep_dot(row, l.o) + leaf->frame[3][c];
+        a[c] = ep_dot(row, o);
         b[c] = ep_dot(row, l.d);
     }
-    const double side_s = leaf->side_s, side_t = leaf->side_t, height = leaf->height;
+    const double side = leaf->side, height = leaf->height, edge = ep_kinds[patch->kind].middle + side;
     const struct {
         double a, b, limit; /* a + t b <= limit */
     } plane[6] = {
-        { a[2], b[2], height },
-        { -a[2], -b[2], height },
-        { -a[0], -b[0], side_s },
-        { -a[1], -b[1], side_t },
-        { triangle ? a[0] + a[1] : a[0], triangle ? b[0] + b[1] : b[0], 1 + side_s + (triangle ? side_t : 0) },
-        { triangle ? -a[1] : a[1], triangle ? -b[1] : b[1], triangle ? side_t : 1 + side_t },
+        {a[2], b[2], height},
+        {-a[2], -b[2], height},
+        {-a[0], -b[0], edge},
+        {-a[1], -b[1], edge},
+        {triangle ? a[0] + a[1] : a[0], triangle ? b[0] + b[1] : b[0], triangle ? edge + side : edge},
+        {triangle ? -a[1] : a[1], triangle ? -b[1] : b[1], edge},
     };
     for (int k = 0; k < 6; ++k) {
         const double room = plane[k].limit - plane[k].a;
@@ -118,7 +121,7 @@ static void planes(const ep_leaf *leaf, ep_vec3 d, ep_vec3 *n1, ep_vec3 *n2)
 {
     const ep_vec3 unit = ep_scale(1 / ep_length(d), d);
     ep_vec3 up = ep_v3(leaf->frame[0][2], leaf->frame[1][2], leaf->frame[2][2]);
-    up = ep_scale(1 / ep_length(up), up);
+    up = ep_scale(1 / ep_length(up), up); /* NaN where the leaf has no frame */
     *n1 = ep_cross(unit, up);
     if (!(ep_length(*n1) > 0x1p-10)) {
         up = fabs(unit.x) < fabs(unit.y) ? ep_v3(1, 0, 0) : ep_v3(0, 1, 0);
@@ -135,8 +138,8 @@ typedef struct slopes {
 
 static slopes net_slopes(const problem *p, const ep_point *net)
 {
-    const range nothing = { INFINITY, -INFINITY };
-    slopes r = { { nothing, nothing }, { nothing, nothing } };
+    const range nothing = {INFINITY, -INFINITY};
+    slopes r = {{nothing, nothing}, {nothing, nothing}};
     for (unsigned j = 0; j <= p->n; ++j)
         for (unsigned i = 0; i <= p->m; ++i) {
             const size_t at = p->kind->index(p->m, p->n, i, j);
@@ -150,8 +153,14 @@ static slopes net_slopes(const problem *p, const ep_point *net)
     return r;
 }
 
-static double mid(range r) { return r.lo / 2 + r.hi / 2; }
-static double half(range r) { return r.hi / 2 - r.lo / 2; }
+static double mid(range r)
+{
+    return r.lo / 2 + r.hi / 2;
+}
+static double half(range r)
+{
+    return r.hi / 2 - r.lo / 2;
+}
 
 /* e of the certificate: the deviation of the Jacobian from its middle, relative to the middle; infinity if singular. */
 static double deviation(const slopes *g)
@@ -163,6 +172,51 @@ static double deviation(const slopes *g)
     const double row0 = fabs(d) * (ra + rb) + fabs(b) * (rc + rd);
     const double row1 = fabs(c) * (ra + rb) + fabs(a) * (rc + rd);
     return fmax(row0, row1) / fabs(det);
+}
+
+/* Length of a side of a triangular cell in space: of its control polygon from (i, j) on, in steps (di, dj). */
+static double side_length(const problem *p, const ep_point *net, unsigned i, unsigned j, int di, int dj)
+{
+    double sum = 0, last[3] = {0};
+    for (unsigned k = 0; k <= p->m; ++k, i += (unsigned)di, j += (unsigned)dj) {
+        const double *q = net[p->kind->index(p->m, p->n, i, j)];
+        const double x[3] = {q[0] / q[3], q[1] / q[3], q[2] / q[3] * p->speed};
+        if (k)
+            sum += sqrt((x[0] - last[0]) * (x[0] - last[0]) + (x[1] - last[1]) * (x[1] - last[1]) +
+                        (x[2] - last[2]) * (x[2] - last[2]));
+        memcpy(last, x, sizeof last);
+    }
+    return sum;
+}
+
+/* Halves a cell: rectangles along the side on which f changes more, triangles through the middle of their longest side
+ * in space, so that a collapsed side does not double the number of cells at each level. Returns the number of parts. */
+static unsigned halve(const problem *p, const ep_point *net, const slopes *g, const ep_domain *d, ep_domain part[2])
+{
+    if (!p->triangle) {
+        double s = 0, t = 0;
+        for (int k = 0; k < 2; ++k) {
+            s += fmax(fabs(g->s[k].lo), fabs(g->s[k].hi));
+            t += fmax(fabs(g->t[k].lo), fabs(g->t[k].hi));
+        }
+        return p->kind->split(d, t > s, part);
+    }
+    const double s = side_length(p, net, 0, 0, 1, 0), t = side_length(p, net, 0, 0, 0, 1),
+                 across = side_length(p, net, p->m, 0, -1, 1);
+    part[0] = part[1] = *d;
+    if (across >= s && across >= t) { /* between the ends of both sides */
+        part[0].uv = part[1].uu = (d->uu + d->uv) / 2;
+        part[0].vv = part[1].vu = (d->vu + d->vv) / 2;
+    } else if (s >= t) {
+        part[0].uu = d->uu / 2, part[0].vu = d->vu / 2;
+        part[1] = (ep_domain){d->u0 + d->uu / 2, d->v0 + d->vu / 2, d->uu / 2,
+                              d->uv - d->uu / 2, d->vu / 2,         d->vv - d->vu / 2};
+    } else {
+        part[0].uv = d->uv / 2, part[0].vv = d->vv / 2;
+        part[1] = (ep_domain){d->u0 + d->uv / 2, d->v0 + d->vv / 2, d->uu - d->uv / 2,
+                              d->uv / 2,         d->vu - d->vv / 2, d->vv / 2};
+    }
+    return 2;
 }
 
 /* How far (s, t) is outside the unit domain; negative inside. */
@@ -185,8 +239,8 @@ typedef enum verdict { NO_ROOT, ROOT, UNDECIDED } verdict;
 /* Newton in a certified cell, from its middle. */
 static verdict newton(const problem *p, const ep_point *net, double *s, double *t)
 {
-    *s = p->kind->centre[0];
-    *t = p->kind->centre[1];
+    *s = p->kind->middle;
+    *t = p->kind->middle;
     for (int k = 0; k < 64; ++k) {
         ep_jet j;
         p->kind->eval(net, p->m, p->n, *s, *t, &j);
@@ -208,8 +262,8 @@ static void normal(const ep_patch *patch, const ep_leaf *leaf, double u, double 
 {
     const ep_kind *kind = &ep_kinds[patch->kind];
     const ep_domain d = leaf_domain(leaf);
-    const double cu = d.u0 + kind->centre[0] * d.uu + kind->centre[1] * d.uv;
-    const double cv = d.v0 + kind->centre[0] * d.vu + kind->centre[1] * d.vv;
+    const double cu = d.u0 + kind->middle * (d.uu + d.uv);
+    const double cv = d.v0 + kind->middle * (d.vu + d.vv);
     ep_vec3 n = ep_v3(0, 0, 0);
     for (double inward = 0; inward <= 1; inward = inward ? 32 * inward : 0x1p-30) {
         ep_jet jet;
@@ -236,6 +290,7 @@ static void set_up(const ep_patch *patch, const ep_leaf *leaf, const line *l, pr
     p->triangle = patch->kind == EP_KIND_TRIANGLE;
     planes(leaf, d, &n1, &n2);
     const double dd = ep_dot(d, d);
+    p->speed = sqrt(dd);
     ep_patch_local(patch, local);
     const size_t count = p->kind->point_count(p->m, p->n);
     double largest = 0;
@@ -249,6 +304,8 @@ static void set_up(const ep_patch *patch, const ep_leaf *leaf, const line *l, pr
     }
     p->kind->restrict_to(local, p->m, p->n, &domain, p->net);
     p->noise = (p->m + p->n + 4) * 16 * EP_EPS_D * largest;
+    p->small = fmax(p->noise, 0x1p-30 * patch->weight_min * patch->radius);
+    p->small_t = 0x1p-30 * (patch->radius / sqrt(dd) + fabs(p->t0));
 }
 
 bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double after,
@@ -265,28 +322,28 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     unsigned depth = 0;
     bool found = false;
     double best_s = 0, best_t = 0;
-    stack[depth++] = (cell){ { 0, 0, 1, 0, 0, 1 }, -INFINITY };
+    stack[depth++] = (cell){{0, 0, 1, 0, 0, 1}, -INFINITY};
     for (unsigned cells = 0; depth; ++cells) {
         const cell at = stack[--depth];
-        if (at.t_low >= before) continue;
+        if (at.t_low >= before - found * p.small_t) continue;
         p.kind->restrict_to(p.net, p.m, p.n, &at.d, net);
-        range f1 = { INFINITY, -INFINITY }, f2 = f1, t = f1;
+        range f1 = {INFINITY, -INFINITY}, f2 = f1, t = f1;
         for (size_t i = 0; i < count; ++i) {
             include(&f1, net[i][0]);
             include(&f2, net[i][1]);
             include(&t, net[i][2] / net[i][3]);
         }
         if (f1.lo > p.noise || f1.hi < -p.noise || f2.lo > p.noise || f2.hi < -p.noise) continue;
-        if (t0 + t.hi <= after || t0 + t.lo >= before) continue;
+        if (t0 + t.hi <= after || t0 + t.lo >= before - found * p.small_t) continue;
 
-        double s = p.kind->centre[0], r = p.kind->centre[1];
+        double s = p.kind->middle, r = p.kind->middle;
         verdict v = UNDECIDED;
         const double largest = fmax(fmax(-f1.lo, f1.hi), fmax(-f2.lo, f2.hi));
         const double width = fmax(fabs(at.d.uu) + fabs(at.d.uv), fabs(at.d.vu) + fabs(at.d.vv));
         const slopes g = net_slopes(&p, net);
         if (deviation(&g) <= 0.125) v = newton(&p, net, &s, &r);
-        if (v == UNDECIDED && (largest <= p.noise || width <= 0x1p-50 || cells >= MAX_CELLS || depth + 4 > MAX_STACK))
-            v = ROOT;
+        const bool point = largest <= p.small && t.hi - t.lo <= p.small_t;
+        if (v == UNDECIDED && (point || width <= 0x1p-50 || cells >= MAX_CELLS || depth + 4 > MAX_STACK)) v = ROOT;
         if (v == ROOT) {
             ep_jet jet;
             p.kind->eval(net, p.m, p.n, s, r, &jet);
@@ -300,25 +357,23 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         }
         if (v != UNDECIDED) continue;
 
-        const double along_s = fmax(fabs(g.s[0].lo), fabs(g.s[0].hi)) + fmax(fabs(g.s[1].lo), fabs(g.s[1].hi));
-        const double along_t = fmax(fabs(g.t[0].lo), fabs(g.t[0].hi)) + fmax(fabs(g.t[1].lo), fabs(g.t[1].hi));
-        ep_domain part[4];
-        const unsigned parts = p.kind->split(&at.d, along_t > along_s, part);
+        ep_domain part[2];
+        const unsigned parts = halve(&p, net, &g, &at.d, part);
         /* The part whose middle is nearest along the ray goes on top; t is taken as linear between the corners, for
          * this is a guess that saves work and nothing else. */
         const size_t right = p.kind->index(p.m, p.n, p.m, 0), top = p.kind->index(p.m, p.n, 0, p.n);
         const double corner = net[0][2] / net[0][3];
         const double by_s = net[right][2] / net[right][3] - corner, by_t = net[top][2] / net[top][3] - corner;
-        const double *middle = p.kind->centre;
+        const double middle = p.kind->middle;
         const double det = at.d.uu * at.d.vv - at.d.uv * at.d.vu;
-        cell c[4];
+        cell c[2];
         for (unsigned k = 0; k < parts; ++k) {
-            const double du = part[k].u0 + middle[0] * part[k].uu + middle[1] * part[k].uv - at.d.u0;
-            const double dv = part[k].v0 + middle[0] * part[k].vu + middle[1] * part[k].vv - at.d.v0;
+            const double du = part[k].u0 + middle * (part[k].uu + part[k].uv) - at.d.u0;
+            const double dv = part[k].v0 + middle * (part[k].vu + part[k].vv) - at.d.v0;
             const double key = (by_s * (du * at.d.vv - dv * at.d.uv) + by_t * (dv * at.d.uu - du * at.d.vu)) / det;
             unsigned to = k;
             for (; to > 0 && c[to - 1].t_low < key; --to) c[to] = c[to - 1];
-            c[to] = (cell){ part[k], key };
+            c[to] = (cell){part[k], key};
         }
         for (unsigned k = 0; k < parts; ++k) {
             c[k].t_low = t0 + t.lo; /* all that is proved until the cell's own hull is known */
@@ -334,37 +389,40 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     return true;
 }
 
-bool ep_refine(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5])
+/* Steps after which Newton's from a root that is right to 2^-8 are at the rounding of doubles, with one to spare. */
+enum { POLISH_STEPS = 4 };
+
+/* Neighbouring patches that share their border find a root there on both sides but for this, a thousand times what
+ * doubles err by. */
+static const double border = 0x1p-36;
+
+ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5])
 {
     line l;
-    if (!make_line(patch, org, dir, &l)) return true;
-    const ep_vec3 centre = ep_v3((double)patch->centre[0] + patch->centre_low[0],
-                                 (double)patch->centre[1] + patch->centre_low[1],
-                                 (double)patch->centre[2] + patch->centre_low[2]);
+    if (!make_line(patch, org, dir, &l)) return EP_POLISHED_LOST;
+    const bool triangle = patch->kind == EP_KIND_TRIANGLE;
+    ep_point local[MAX_POINTS];
+    ep_patch_local(patch, local);
     double u = field[3], v = field[4], k = *t - l.t0;
-    for (int i = 0; i < 4; ++i) {
+    ep_vec3 n = ep_v3(0, 0, 0);
+    for (int i = 0; i < POLISH_STEPS; ++i) {
         ep_jet jet;
-        ep_kinds[patch->kind].eval(patch->points, patch->degree_u, patch->degree_v, u, v, &jet);
+        ep_kinds[patch->kind].eval(local, patch->degree_u, patch->degree_v, u, v, &jet);
         const ep_frame f = ep_project(&jet);
-        const ep_vec3 r = ep_sub(ep_sub(f.p, centre), ep_add(l.o, ep_scale(k, l.d)));
-        const ep_vec3 n = ep_cross(f.pu, f.pv);
-        const double det = ep_dot(n, l.d); /* r + f.pu du + f.pv dv = d dk, by Cramer's rule */
-        const double dk = ep_dot(n, r) / det;
+        const ep_vec3 r = ep_sub(f.p, ep_add(l.o, ep_scale(k, l.d)));
+        n = ep_cross(f.pu, f.pv);
+        const double dk = ep_dot(n, r) / ep_dot(n, l.d); /* r + f.pu du + f.pv dv = d dk, by Cramer's rule */
         const ep_vec3 left = ep_sub(ep_scale(dk, l.d), r);
         const double nn = ep_dot(n, n);
-        const double du = ep_dot(ep_cross(left, f.pv), n) / nn, dv = ep_dot(ep_cross(f.pu, left), n) / nn;
-        u += du;
-        v += dv;
+        u += ep_dot(ep_cross(left, f.pv), n) / nn;
+        v += ep_dot(ep_cross(f.pu, left), n) / nn;
         k += dk;
-        if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return true;
-        if (i == 3) {
-            /* outside by more than float parameters can say */
-            if (outside(patch->kind == EP_KIND_TRIANGLE, u, v) > 0x1p-21) return false;
-            *t = (float)(l.t0 + k);
-            field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;
-            field[3] = (float)fmin(fmax(u, 0), 1);
-            field[4] = (float)fmin(fmax(v, 0), patch->kind == EP_KIND_TRIANGLE ? 1 - field[3] : 1);
-        }
+        if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return EP_POLISHED_LOST;
     }
-    return true;
+    if (outside(triangle, u, v) > border) return EP_POLISHED_AWAY;
+    *t = (float)(l.t0 + k);
+    field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;
+    field[3] = (float)fmin(fmax(u, 0), 1);
+    field[4] = (float)fmin(fmax(v, 0), triangle ? 1 - field[3] : 1);
+    return EP_POLISHED;
 }

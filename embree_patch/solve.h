@@ -13,11 +13,14 @@ typedef struct ep_root {
 
 /* Where the ray is in the leaf's prism, within [*lo, *hi], which it narrows; false: nowhere. A leaf without a prism
  * leaves them as they are. */
-bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double *lo, double *hi);
+bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double *lo,
+             double *hi);
 
-/* Polishes a root in double: *t and field = Ng, u, v are replaced by those of the exact root nearby, or left alone if
- * Newton does not settle within 2^-8 of it. False: that root is outside the patch. */
-bool ep_refine(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5]);
+typedef enum ep_polished { EP_POLISHED, EP_POLISHED_AWAY, EP_POLISHED_LOST } ep_polished;
+
+/* A root found in float, found again in double: *t and field = Ng, u, v are replaced. AWAY: it is outside the patch.
+ * LOST: Newton leaves its neighbourhood of 2^-8. */
+ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5]);
 
 /* The nearest root with after < t < before; false: there is none. Call again with after = root->t for the next. */
 bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double after,

@@ -70,7 +70,7 @@ void free_scene(test_scene *s);
 
 /* One ray or a packet of 4, 8 or 16 in Embree's layout, field f of lane i at f[f * n + i]. */
 typedef struct test_packet {
-    alignas(64) float f[(EP_RAY_FIELDS + 8) * EP_PACKET];
+    alignas(64) float f[EP_RTC_RAYHIT_FIELDS * EP_PACKET];
     alignas(64) int valid[EP_PACKET];
 } test_packet;
 enum { HIT_NG = EP_RAY_FIELDS, HIT_U = EP_RAY_FIELDS + 3, HIT_V, HIT_PRIM, HIT_GEOM, HIT_INST };

@@ -21,11 +21,16 @@ typedef struct where {
     size_t leaf;
 } where;
 
-/* The piece's point at x in leaf coordinates, less (x, 0): r. And its derivatives along s and t. */
+/* The piece's point at x, in leaf coordinates, less (x, 0): r. And its derivatives along s and t. */
 typedef struct remainder_at {
     double p[3]; /* in space */
     double r[3], rs[3], rt[3];
 } remainder_at;
+
+static double middle_of(const ep_patch *patch)
+{
+    return patch->kind == EP_KIND_TRIANGLE ? 1.0 / 3 : 0.5;
+}
 
 static remainder_at evaluate(const test_patch *p, const ep_patch *patch, const ep_leaf *leaf, const double x[2])
 {
@@ -35,12 +40,12 @@ static remainder_at evaluate(const test_patch *p, const ep_patch *patch, const e
     remainder_at e;
     evaluate_patch(p, d[0] + uu * x[0] + uv * x[1], d[1] + vu * x[0] + vv * x[1], e.p, pu, pv);
     for (int row = 0; row < 3; ++row) {
-        e.r[row] = leaf->frame[3][row] - (row < 2 ? x[row] : 0);
+        e.r[row] = row < 2 ? middle_of(patch) - x[row] : 0;
         e.rs[row] = row == 0 ? -1 : 0;
         e.rt[row] = row == 1 ? -1 : 0;
         for (int c = 0; c < 3; ++c) {
             const double m = leaf->frame[c][row];
-            e.r[row] += m * (e.p[c] - patch->centre[c] - patch->centre_low[c]);
+            e.r[row] += m * (e.p[c] - leaf->centre[c] - leaf->centre_low[c]);
             e.rs[row] += m * (uu * pu[c] + vu * pv[c]);
             e.rt[row] += m * (uv * pu[c] + vv * pv[c]);
         }
@@ -48,10 +53,23 @@ static remainder_at evaluate(const test_patch *p, const ep_patch *patch, const e
     return e;
 }
 
+/* r from the coefficients that the kernels use, by summing powers in double. */
+static void sum_powers(const ep_patch *patch, const ep_leaf *leaf, const float *net, double s, double t, double r[3])
+{
+    const unsigned m = leaf->degree_s, n = leaf->degree_t, stride = ep_leaf_stride(leaf);
+    double sum[4] = {0, 0, 0, 1};
+    if (leaf->rational) sum[3] = 0;
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= (patch->kind == EP_KIND_TRIANGLE ? n - j : m); ++i, net += stride)
+            for (unsigned c = 0; c < stride; ++c) sum[c] += net[c] * pow(s, i) * pow(t, j);
+    for (int c = 0; c < 3; ++c) r[c] = sum[c] / sum[3];
+    if (leaf->rational) r[0] -= s, r[1] -= t;
+}
+
 /* `row` of the frame: its rounding in this test */
 #define HOLDS(value, limit, row)                                                                                       \
-    CHECK((value) <= (limit) + noise[row], "%s patch %d, leaf %zu, at %.17g %.17g: %.9g > %.9g", w.style,   \
-          w.patch, w.leaf, x[0], x[1], (double)(value), (double)(limit))
+    CHECK((value) <= (limit) + noise[row], "%s patch %d, leaf %zu, at %.17g %.17g: %.9g > %.9g", w.style, w.patch,     \
+          w.leaf, x[0], x[1], (double)(value), (double)(limit))
 
 static void check_leaf(const test_patch *p, const ep_hierarchy *h, where w, rng *r)
 {
@@ -76,24 +94,28 @@ static void check_leaf(const test_patch *p, const ep_hierarchy *h, where w, rng 
                   box->lower[c], box->upper[c]);
         if (!(leaf->height < INFINITY)) continue; /* left to subdivision */
 
-        HOLDS(fabs(e.r[0]), leaf->side_s, 0);
-        HOLDS(fabs(e.r[1]), leaf->side_t, 1);
+        HOLDS(fabs(e.r[0]), leaf->side, 0);
+        HOLDS(fabs(e.r[1]), leaf->side, 1);
         HOLDS(fabs(e.r[2]), leaf->height, 2);
         const double apart = fmax(fabs(x[0] - before[0]), fabs(x[1] - before[1]));
-        HOLDS(fabs(e.rs[0] - last.rs[0]) + fabs(e.rt[0] - last.rt[0]), leaf->bend[0] * apart, 0);
-        HOLDS(fabs(e.rs[1] - last.rs[1]) + fabs(e.rt[1] - last.rt[1]), leaf->bend[1] * apart, 1);
-        HOLDS(fabs(e.rs[2] - last.rs[2]) + fabs(e.rt[2] - last.rt[2]), leaf->bend[2] * apart, 2);
-        HOLDS(fabs(e.r[0] - last.r[0]), leaf->stretch * apart, 0);
-        HOLDS(fabs(e.r[1] - last.r[1]), leaf->stretch * apart, 1);
-
-        const double middle = triangle ? 1.0 / 3 : 0.5, s = x[0] - middle, t = x[1] - middle;
-        double off[3];
-        for (int c = 0; c < 3; ++c)
-            off[c] = fabs(e.r[c] - leaf->model[0][c] - leaf->model[1][c] * s * s / 2 - leaf->model[2][c] * s * t -
-                          leaf->model[3][c] * t * t / 2);
+        const double s = x[0] - middle_of(patch), t = x[1] - middle_of(patch);
+        const double ls = before[0] - middle_of(patch), lt = before[1] - middle_of(patch);
+        double off[3], r_net[3];
+        for (int c = 0; c < 3; ++c) {
+            const double ss = leaf->second[0][c], st = leaf->second[1][c], tt = leaf->second[2][c];
+            const double bend = c < 2 ? leaf->bend_st : leaf->bend_h, warp = c < 2 ? leaf->warp_st : leaf->warp_h;
+            const double ds = e.rs[c] - last.rs[c], dt = e.rt[c] - last.rt[c];
+            HOLDS(fabs(ds) + fabs(dt), bend * apart, c);
+            HOLDS(fabs(ds - ss * (s - ls) - st * (t - lt)) + fabs(dt - st * (s - ls) - tt * (t - lt)), warp * apart, c);
+            off[c] = fabs(e.r[c] - (c == 2 ? leaf->middle : 0) - ss * s * s / 2 - st * s * t - tt * t * t / 2);
+        }
         HOLDS(off[0], leaf->model_st, 0);
         HOLDS(off[1], leaf->model_st, 1);
         HOLDS(off[2], leaf->model_h, 2);
+        sum_powers(patch, leaf, h->nets + leaf->net, s, t, r_net);
+        HOLDS(fabs(r_net[0] - e.r[0]), leaf->noise_st, 0);
+        HOLDS(fabs(r_net[1] - e.r[1]), leaf->noise_st, 1);
+        HOLDS(fabs(r_net[2] - e.r[2]), leaf->noise_h, 2);
         before[0] = x[0], before[1] = x[1];
         last = e;
     }
@@ -110,7 +132,8 @@ static void check_patches(uint64_t seed, patch_limits limits, int count, unsigne
         if (rng_below(&r, 3) == 0) move_patch(&p, rng_scale(&r, 1e-3, 1e3), offset);
         EPBuildSettings settings = epDefaultBuildSettings();
         settings.rayDistance = 1e-30f; /* no padding for rays from afar: boxes as tight as they come */
-        settings.maxDepth = rng_below(&r, limits.most_degree > 9 ? 5 : 11); /* a piece that is still far from flat has bounds too */
+        settings.maxDepth =
+            rng_below(&r, limits.most_degree > 9 ? 5 : 11); /* a piece that is still far from flat has bounds too */
         EPGeometry g = new_geometry(&p, 1, &settings);
         const ep_hierarchy *h = &g->hierarchy;
         assert_true(h->leaf_count > 0);

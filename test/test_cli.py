@@ -3,10 +3,15 @@
 
 SPDX-License-Identifier: Apache-2.0
 
-usage: test_cli.py EPATCH          prints a line for each failed check, then `test_cli: N passed, M failed`
+usage: test_cli.py EPATCH [TEST...]    prints a line for each failed check, then `test_cli: N passed, M failed`
+
+Each test runs in a folder and a process of its own, as many at once as there are processors.
 """
+import contextlib
+import io
 import json
 import math
+import multiprocessing
 import os
 import re
 import resource
@@ -17,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 
 EPATCH = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else sys.exit(__doc__)
 MISS = 0xFFFFFFFF
@@ -29,7 +35,7 @@ def check(ok, message):
         passed += 1
     else:
         failed += 1
-        print("FAIL", message, flush=True)
+        print("FAIL", message)
     return ok
 
 
@@ -135,10 +141,20 @@ def test_usage():
         (("trace", "s", "--threads", "2x"), "--threads is '2x'"),
         (("trace", "s", "--threads", "99999999999999999999"), "--threads is"),
         (("trace", "s", "--rays", "r", "--hits", "h", "--as", "triangles:0"), "--as is"),
-        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "boxes"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "boxes"), "--as is 'boxes', not patches or triangles:N"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "patche"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "patchess"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "triangles"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "triangles:"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "triangles:-1"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "triangles:8x"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "triangles:8193"), "--as is"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--as", "triangles:99999999999999999999"), "--as is"),
         (("trace", "s", "--isa", "mmx"), "--isa is 'mmx'"),
         (("trace", "-", "--rays", "-", "--hits", "h"), "standard input"),
         (("trace", "s", "--rays", "r", "--hits", "-", "--stats", "-"), "standard output"),
+        (("trace", "s", "--rays", "r", "--hits", "h", "--stats", "h"), "cannot both go to h"),
+        (("render", "s", "-o", "x.png", "--stats", "x.png"), "cannot both go to x.png"),
         (("info",), "SCENE is missing"),
         (("info", "s", "--jsn"), "did you mean '--json'"),
         (("render",), "SCENE is missing"),
@@ -166,6 +182,7 @@ def bad_scenes():
     yield "", r"the file is empty"
     yield "{", r":1:\d+: "
     yield '{\n "geometry": [\n  1,,\n ]\n}', r":3:\d+: "
+    yield '{"version": 2\0, "geometry": []}', r":1:14: a zero byte"
     yield "[]", r":1:1: the scene is an array, not an object"
     yield "{}", r":1:1: the scene has no 'geometry'"
     yield '{"geometry": []} x', r":1:\d+: "
@@ -305,10 +322,24 @@ def test_files():
                      ("trace", good, "--rays", "rays", "--hits", "-")):
             refuses(Run(*args, stdout=full), 1, "<stdout>: cannot write")
 
+    # A standard stream that is closed does not become the next file that is opened.
+    for streams, status, size in ((">&-", 1, 0), ("<&- 2>&-", 0, 32), ("<&- >&- 2>&-", 1, 0)):
+        shell = ["sh", "-c", f'exec "$0" "$@" {streams}', EPATCH, "trace", good, "--rays", "rays", "--hits", "closed",
+                 "--stats", "-"]
+        p = subprocess.run(shell, capture_output=True)
+        there = os.path.getsize("closed") if os.path.exists("closed") else 0
+        check(p.returncode == status and there == size, f"{streams}: status {p.returncode}, {there} bytes")
+        if there:
+            os.remove("closed")
+
     # A file that was there is replaced as a whole or not touched; a link stays a link.
     write("old", "old")
     refuses(Run("trace", good, "--rays", many, "--hits", "old", limits=[(resource.RLIMIT_FSIZE, 20000)]), 1, "old")
     check(open("old").read() == "old", "a failed run has changed its output file")
+    if os.geteuid():  # root may write everything
+        os.chmod("old", 0o444)
+        refuses(Run("trace", good, "--rays", "rays", "--hits", "old"), 1, "old: cannot write: Permission denied")
+        os.chmod("old", 0o666)
     os.symlink("old", "link")
     works(Run("trace", good, "--rays", "rays", "--hits", "link"))
     check(os.path.islink("link") and os.path.getsize("old") == 32, "an output through a symbolic link")
@@ -557,15 +588,30 @@ def test_bench():
     os.environ["PATH"] = path
 
 
-def main():
-    with tempfile.TemporaryDirectory() as folder:
+def run_test(name):
+    """How many checks passed and failed, and what was printed."""
+    global passed, failed
+    passed = failed = 0
+    printed = io.StringIO()
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(printed):
         os.chdir(folder)
-        for name, test in list(globals().items()):
-            if name.startswith("test_"):
-                test()
+        try:
+            globals()[name]()
+        except Exception:
+            check(False, f"{name}: {traceback.format_exc()}")
         leftovers = [f for f in os.listdir(".") if re.match(r"\.\d+\.", f)]
-        check(not leftovers, f"temporary files left: {leftovers}")
+        check(not leftovers, f"{name}: temporary files left: {leftovers}")
         os.chdir("/")
+    return passed, failed, printed.getvalue()
+
+
+def main():
+    tests = sys.argv[2:] or [name for name in globals() if name.startswith("test_")]
+    passed, failed = 0, 0
+    with multiprocessing.get_context("fork").Pool() as pool:
+        for p, f, printed in pool.imap(run_test, tests, chunksize=1):
+            print(printed, end="", flush=True)
+            passed, failed = passed + p, failed + f
     print(f"test_cli: {passed} passed, {failed} failed")
     return failed > 0
 

@@ -45,30 +45,32 @@ typedef struct answer {
     alignas(64) float t[EP_PACKET], hit[5 * EP_PACKET];
 } answer;
 
-static answer run_packet(const ep_kernels *k, const ep_leaf *leaf, const ep_patch *patch, const test_packet *p, unsigned n,
+static answer run_packet(const ep_kernels *k, const ep_leaf *leaf, const float *net, const test_packet *p, unsigned n,
                          uint32_t active)
 {
     EPCounters counters = {0};
     answer a;
     memset(&a, 0x5a, sizeof a);
-    a.o = k->packet[patch->shape](leaf, patch, p->f, n, active, a.t, a.hit, &counters);
+    a.o = k->packet[leaf->shape](leaf, net, p->f, n, active, a.t, a.hit, &counters);
     return a;
 }
 
 /* Lane by lane, into the places of a packet of n. */
-static answer run_single(const ep_kernels *k, const ep_leaf *leaf, const ep_patch *patch, const test_packet *p, unsigned n,
+static answer run_single(const ep_kernels *k, const ep_leaf *leaf, const float *net, const test_packet *p, unsigned n,
                          uint32_t active)
 {
     EPCounters counters = {0};
     answer a;
     memset(&a, 0x5a, sizeof a);
-    a.o = (ep_outcome){0, 0};
+    a.o = (ep_outcome){0, 0, 0, 0};
     for (unsigned i = 0; i < n; ++i) {
         if (!(active >> i & 1)) continue;
         float ray[EP_RAY_FIELDS], t, hit[5];
         for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = p->f[f * n + i];
-        const ep_outcome o = k->single[patch->shape](leaf, patch, ray, 1, 1, &t, hit, &counters);
+        const ep_outcome o = k->single[leaf->shape](leaf, net, ray, 1, 1, &t, hit, &counters);
         a.o.hit |= (o.hit & 1) << i;
+        a.o.tie |= (o.tie & 1) << i;
+        a.o.vague |= (o.vague & 1) << i;
         a.o.slow |= (o.slow & 1) << i;
         if (!(o.hit & 1)) continue;
         a.t[i] = t;
@@ -79,16 +81,17 @@ static answer run_single(const ep_kernels *k, const ep_leaf *leaf, const ep_patc
 
 static void same(const answer *a, const answer *b, unsigned n, uint32_t active, const char *what, const char *where)
 {
-    CHECK(a->o.hit == b->o.hit && a->o.slow == b->o.slow, "%s: %s: hit %x %x, slow %x %x", where, what, a->o.hit, b->o.hit,
-          a->o.slow, b->o.slow);
-    CHECK(!(a->o.hit & ~active) && !(a->o.slow & ~active) && !(a->o.hit & a->o.slow), "%s: %s: active %x, hit %x, slow %x",
-          where, what, active, a->o.hit, a->o.slow);
+    CHECK(!memcmp(&a->o, &b->o, sizeof a->o), "%s: %s: hit %x %x, tie %x %x, vague %x %x, slow %x %x", where, what,
+          a->o.hit, b->o.hit, a->o.tie, b->o.tie, a->o.vague, b->o.vague, a->o.slow, b->o.slow);
+    CHECK(!((a->o.tie | a->o.vague) & ~a->o.hit), "%s: %s: hit %x, tie %x", where, what, a->o.hit, a->o.tie);
+    CHECK(!(a->o.hit & ~active) && !(a->o.slow & ~active) && !(a->o.hit & a->o.slow),
+          "%s: %s: active %x, hit %x, slow %x", where, what, active, a->o.hit, a->o.slow);
     for (unsigned i = 0; i < n; ++i) {
         if (!(a->o.hit >> i & 1)) continue;
         CHECK(!memcmp(&a->t[i], &b->t[i], 4), "%s: %s: lane %u: t %a and %a", where, what, i, a->t[i], b->t[i]);
         for (unsigned f = 0; f < 5; ++f)
-            CHECK(!memcmp(&a->hit[f * n + i], &b->hit[f * n + i], 4), "%s: %s: lane %u, field %u: %a and %a", where, what, i,
-                  f, a->hit[f * n + i], b->hit[f * n + i]);
+            CHECK(!memcmp(&a->hit[f * n + i], &b->hit[f * n + i], 4), "%s: %s: lane %u, field %u: %a and %a", where,
+                  what, i, f, a->hit[f * n + i], b->hit[f * n + i]);
     }
 }
 
@@ -105,6 +108,7 @@ static void same_bits(void **state)
 {
     (void)state;
     size_t lanes = 0, hits = 0, slow = 0;
+    bool seen[EP_SHAPES] = {false}; /* by leaves: theirs may be less than their patch's */
     for (unsigned shape = 0; shape < EP_SHAPES; ++shape)
         for (uint64_t k = 0; k < 40; ++k) {
             rng r = rng_split(1, shape, k);
@@ -116,22 +120,23 @@ static void same_bits(void **state)
             EPGeometry g = new_geometry(&p, 1, &settings);
             oracle *o = new_oracle(&p, 1);
             const ep_patch *patch = &g->hierarchy.patches[0];
-            CHECK(patch->shape == shape, "shape %u, patch %d", shape, (int)k);
             for (int packet = 0; packet < 40; ++packet) {
                 static const unsigned widths[] = {4, 8, 16};
                 const unsigned n = widths[rng_below(&r, 3)];
                 const ep_leaf *leaf = &g->hierarchy.leaves[rng_below(&r, (unsigned)g->hierarchy.leaf_count)];
+                const float *net = g->hierarchy.nets + leaf->net;
+                seen[leaf->shape] = true;
                 test_packet rays;
                 uint32_t active;
                 fill(o, patch, &r, &rays, n, &active);
-                const answer want = run_packet(&ep_kernels_plain, leaf, patch, &rays, n, active);
+                const answer want = run_packet(&ep_kernels_plain, leaf, net, &rays, n, active);
                 char where[80];
                 snprintf(where, sizeof where, "shape %u, patch %d, packet %d of %u", shape, (int)k, packet, n);
                 for (const char *const *isa = epGetInstructionSets(); *isa; ++isa) {
                     const ep_kernels *kernels = ep_find_kernels(*isa);
-                    const answer many = run_packet(kernels, leaf, patch, &rays, n, active);
+                    const answer many = run_packet(kernels, leaf, net, &rays, n, active);
                     same(&want, &many, n, active, *isa, where);
-                    const answer one = run_single(kernels, leaf, patch, &rays, n, active);
+                    const answer one = run_single(kernels, leaf, net, &rays, n, active);
                     same(&want, &one, n, active, "single ray", where);
                 }
                 lanes += (unsigned)__builtin_popcount(active);
@@ -141,6 +146,7 @@ static void same_bits(void **state)
             oracle_free(o);
             epReleaseGeometry(g);
         }
+    for (unsigned shape = 0; shape < EP_SHAPES; ++shape) CHECK(seen[shape], "no leaf of shape %u", shape);
     /* kernels that answer nothing must not pass */
     CHECK(hits > lanes / 20 && slow < lanes / 2, "%zu lanes, %zu hits, %zu slow", lanes, hits, slow);
 }
@@ -163,6 +169,7 @@ static void same_bits_of_cells(void **state)
             const ep_patch *patch = &g->hierarchy.patches[0];
             for (int i = 0; i < 30; ++i) {
                 const ep_leaf *leaf = &g->hierarchy.leaves[rng_below(&r, (unsigned)g->hierarchy.leaf_count)];
+                const float *net = g->hierarchy.nets + leaf->net;
                 test_packet ray;
                 float org[3], dir[3];
                 aim(o, AIM_GRAZING, &r, org, dir);
@@ -171,12 +178,13 @@ static void same_bits_of_cells(void **state)
                 if (!(leaf->height < INFINITY) || !ep_clip(patch, leaf, org, dir, &lo, &hi)) continue;
                 ep_cells want, got;
                 memset(&want, 0, sizeof want);
-                ep_kernels_plain.cells[shape](leaf, patch, ray.f, lo, hi, &want);
+                ep_kernels_plain.cells[leaf->shape](leaf, net, ray.f, lo, hi, &want);
                 for (const char *const *isa = epGetInstructionSets(); *isa; ++isa) {
                     memset(&got, 0, sizeof got);
-                    ep_find_kernels(*isa)->cells[shape](leaf, patch, ray.f, lo, hi, &got);
-                    CHECK(want.hit == got.hit && want.open == got.open, "shape %u, patch %d, ray %d: %s: hit %x %x, open %x %x",
-                          shape, (int)k, i, *isa, want.hit, got.hit, want.open, got.open);
+                    ep_find_kernels(*isa)->cells[leaf->shape](leaf, net, ray.f, lo, hi, &got);
+                    CHECK(want.hit == got.hit && want.vague == got.vague && want.open == got.open,
+                          "shape %u, patch %d, ray %d: %s: hit %x %x, open %x %x", shape, (int)k, i, *isa, want.hit,
+                          got.hit, want.open, got.open);
                     for (unsigned c = 0; c < EP_PACKET; ++c) {
                         if (!(want.hit >> c & 1)) continue;
                         CHECK(!memcmp(&want.t[c], &got.t[c], 4), "shape %u, patch %d, ray %d: %s: cell %u: t %a and %a",

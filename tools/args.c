@@ -171,6 +171,20 @@ static int set_value(const arg_table *table, const arg_option *o, const char *te
         *o->to.whole = (unsigned)i;
         return ARGS_GO;
     }
+    case ARG_KIND_CHOICE_N: {
+        size_t first = strcspn(o->value, "|"), second = strcspn(o->value + first + 1, "N"); /* as in "triangles:" */
+        unsigned n = 0;
+        bool known = strlen(text) == first && !memcmp(text, o->value, first);
+        if (!strncmp(text, o->value + first + 1, second)) {
+            at += second;
+            known = read_unsigned(&at, o->most, &n) && !*at && n >= o->least;
+        }
+        if (!known)
+            return args_wrong(table, "%s is '%s', not %.*s or %s with N from %.0f to %.0f", name, text, (int)first,
+                              o->value, o->value + first + 1, o->least, o->most);
+        *o->to.whole = n;
+        return ARGS_GO;
+    }
     case ARG_KIND_SET: {
         unsigned set = 0;
         for (;; ++at) {

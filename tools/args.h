@@ -28,6 +28,7 @@ typedef enum arg_kind {
     ARG_KIND_DOUBLE,
     ARG_KIND_STRING,
     ARG_KIND_CHOICE,
+    ARG_KIND_CHOICE_N,
     ARG_KIND_SET,
     ARG_KIND_SIZE,
     ARG_KIND_DOUBLES
@@ -64,6 +65,9 @@ typedef struct arg_option {
 #define ARG_STRING(name, value, to, help) ARG_ROW(ARG_KIND_STRING, name, value, .string = to, 0, 0, 0, help)
 /* One word of `words`, such as "plain|avx2|avx512"; stores its index. */
 #define ARG_CHOICE(name, words, to, help) ARG_ROW(ARG_KIND_CHOICE, name, words, .whole = to, 0, 0, 0, help)
+/* `words` is such as "patches|triangles:N": stores 0 for the first word, N in [least, most] for the second. */
+#define ARG_CHOICE_N(name, words, to, least, most, help)                                                               \
+    ARG_ROW(ARG_KIND_CHOICE_N, name, words, .whole = to, least, most, 0, help)
 /* A list such as depth,uv of words of `words`, such as "depth,normal,uv"; stores the sum of 1 << index. */
 #define ARG_SET(name, words, to, help) ARG_ROW(ARG_KIND_SET, name, words, .whole = to, 0, 0, 0, help)
 /* WxH into an array of two, each in 1..65536. */

@@ -4,12 +4,10 @@
  *
  * A subject is a way to represent the scene: the exact patches, the patches with a callback that costs next to nothing
  * (the limit), or a tessellation. A workload is a set of rays and a way to send them. Every subject answers the same
- * rays. A run measures every workload on every subject, one subject after the other, so that whatever slows the
- * machine down for a while slows all of them; a figure is the median of the runs. */
+ * rays. A run builds every subject and measures every workload on it; a figure is the median of the runs. */
 #ifndef EPATCH_BENCH_H
 #define EPATCH_BENCH_H
 
-#include "tools/files.h"
 #include "tools/trace.h"
 
 #include <jansson.h>
@@ -48,7 +46,7 @@ typedef struct bench_column {
 
 typedef struct bench_subject {
     unsigned n;   /* steps a patch of a tessellation; 0: no tessellation */
-    world *world; /* NULL for the limit                                  */
+    world *world; /* NULL for the limit, and when it is not its turn     */
     RTCScene rtc;
     size_t triangles, bytes;             /* bytes: ours and Embree's */
     double position_error, normal_error; /* largest; relative to the diagonal, in degrees */
@@ -69,7 +67,7 @@ typedef struct bench_options {
     unsigned rays;            /* of the camera; a quarter of all others     */
     unsigned threads[BENCH_COLUMNS_MAX], columns;
     unsigned max_grid;
-    size_t memory; /* bytes for all tessellations together */
+    size_t memory; /* bytes that a tessellation may take, building it included */
     bool scene_camera;
     EPBuildSettings build;
 } bench_options;
@@ -83,8 +81,8 @@ typedef struct bench {
     double diagonal;
     bench_subject patches, limit;
     bench_subject grids[BENCH_GRIDS_MAX];
-    unsigned grid_count;
-    bool matched; /* the last grid is as exact as the patches */
+    unsigned grid_count; /* all that memory allows, until one is as exact as the patches */
+    bool matched;        /* the last one is                                            */
     bench_limit *limit_scene;
 } bench;
 
@@ -129,8 +127,8 @@ json_t *bench_json(const bench *b);
 json_t *bench_machine_json(const char *isa);
 
 /* bench_plot.c: error against speed and memory, drawn by gnuplot. */
-bool bench_plot_possible(const char *path);  /* false after a message: there is no gnuplot */
-bool bench_plot(const bench *b, output *to); /* closes or discards `to`; false after a message */
+bool bench_plot_possible(const char *path);        /* false after a message: there is no gnuplot */
+bool bench_plot(const bench *b, const char *path); /* false after a message */
 
 /* bench_degrees.c: one patch of each degree fills the picture, beside the figures of Pabst et al. False after a
  * message. */

@@ -48,15 +48,22 @@ static json_t *ratio(const bench *b, const bench_subject *s, unsigned column, un
     return json_real(bench_median(&b->patches.columns[column].speed[w]) / bench_median(&s->columns[column].speed[w]));
 }
 
+/* The part of the rays that hit. */
+static json_t *hits(const bench *b, const bench_subject *s, unsigned column, unsigned w)
+{
+    (void)column;
+    return json_real((double)s->hits[w] / (double)b->rays.count[bench_workloads[w].kind]);
+}
+
 /* Of one ray, on average. */
 static json_t *cost(const bench *b, const bench_subject *s, unsigned column, unsigned w)
 {
     (void)column;
     const EPCounters *c = &s->cost[w];
     const double rays = (double)b->rays.count[bench_workloads[w].kind];
-    return json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "hits", (double)s->hits[w] / rays, "visits",
-                     (double)c->visits / rays, "solves", (double)c->solves / rays, "evaluations",
-                     (double)c->evaluations / rays, "cells", (double)c->cells / rays, "slow", (double)c->slow / rays);
+    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "visits", (double)c->visits / rays, "solves",
+                     (double)c->solves / rays, "evaluations", (double)c->evaluations / rays, "cells",
+                     (double)c->cells / rays, "slow", (double)c->slow / rays);
 }
 
 /* Speeds of the first number of threads under the plain names, of all threads under names of their own. */
@@ -77,10 +84,10 @@ static bool add_columns(json_t *o, const bench *b, const bench_subject *s, bool 
 static json_t *subject(const bench *b, const bench_subject *s)
 {
     const bench_figure *built = &s->columns[0].build;
-    json_t *o =
-        json_pack("{s:i, s:I, s:I, s:f, s:o, s:f, s:f}", "n", (int)s->n, "triangles", (json_int_t)s->triangles, "bytes",
-                  (json_int_t)s->bytes, "build_seconds", bench_median(built), "build_seconds_runs", runs(built),
-                  "max_position_error", s->position_error, "max_normal_error_degrees", s->normal_error);
+    json_t *o = json_pack("{s:i, s:I, s:I, s:f, s:o, s:f, s:f, s:o}", "n", (int)s->n, "triangles",
+                          (json_int_t)s->triangles, "bytes", (json_int_t)s->bytes, "build_seconds", bench_median(built),
+                          "build_seconds_runs", runs(built), "max_position_error", s->position_error,
+                          "max_normal_error_degrees", s->normal_error, "hits", by_workload(b, s, 0, hits));
     if (!add_columns(o, b, s, true)) json_decref(o), o = NULL;
     return o;
 }

@@ -13,6 +13,7 @@
 #include "embree_patch/geometry.h"
 
 #include <math.h>
+#include <stdalign.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,61 +24,111 @@ struct bench_limit {
     size_t geometry_count;
 };
 
-enum { HIT_PRIM = 5, HIT_GEOM = 6, HIT_INST = 7 };
+enum { HIT_PRIM = 5, HIT_GEOM = 6, HIT_INST = 7 }; /* rows of an RTCHit<n>, after EP_HIT_V */
+
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wpass-failed" /* of `omp simd`: for one ray there is nothing to vectorize */
+#endif
 
 #define INLINE static inline __attribute__((always_inline))
 
-/* n is a constant in every caller: the loop becomes straight vector code. */
-INLINE void meet(const ep_leaf *leaf, const ep_patch *patch, const int *valid, float *rayhit, unsigned n,
-                 bool occlusion, unsigned geom, unsigned instance)
-{
-    float *const ray = rayhit, *const hit = rayhit + EP_RAY_FIELDS * n;
-    unsigned *const id = (unsigned *)hit;
-    const float *c = patch->centre;
-    const bool triangle = patch->kind == EP_KIND_TRIANGLE;
-    const float over_s = leaf->side_s, over_t = leaf->side_t, corner = 1 + over_s + over_t;
+/* A leaf as a piece of a plane: its frame, and what the prism cuts out of it. Only the next function knows what a leaf
+ * holds. */
+typedef struct plane {
+    const float *centre, (*frame)[3]; /* frame: columns for x, y, z, relative to the centre; rows s, t, h */
+    float least, most, most_sum;      /* of s and t, of s + t */
+    unsigned patch;
+} plane;
 
-#pragma omp simd
-    for (unsigned i = 0; i < n; ++i) {
-        float o[3], d[3];
-        for (unsigned r = 0; r < 3; ++r) {
-            const float x = ray[i] - c[0], y = ray[n + i] - c[1], z = ray[2 * n + i] - c[2];
-            const unsigned dir = EP_RAY_DIR * n + i;
-            o[r] = leaf->frame[0][r] * x + leaf->frame[1][r] * y + leaf->frame[2][r] * z + leaf->frame[3][r];
-            d[r] =
-                leaf->frame[0][r] * ray[dir] + leaf->frame[1][r] * ray[dir + n] + leaf->frame[2][r] * ray[dir + 2 * n];
-        }
-        const float t = -o[2] / d[2], s = o[0] + t * d[0], r = o[1] + t * d[1];
-        const float tfar = ray[EP_RAY_TFAR * n + i];
-        const bool far_side = triangle ? s + r <= corner : (s <= 1 + over_s) & (r <= 1 + over_t);
-        const bool on =
-            (valid[i] != 0) & (t > ray[EP_RAY_TNEAR * n + i]) & (t < tfar) & (s >= -over_s) & (r >= -over_t) & far_side;
-        if (occlusion) {
-            ray[EP_RAY_TFAR * n + i] = on ? -INFINITY : tfar;
-        } else {
-            ray[EP_RAY_TFAR * n + i] = on ? t : tfar;
-            for (unsigned k = 0; k < 3; ++k) hit[k * n + i] = on ? leaf->frame[k][2] : hit[k * n + i];
-            hit[EP_HIT_U * n + i] = on ? s : hit[EP_HIT_U * n + i];
-            hit[EP_HIT_V * n + i] = on ? r : hit[EP_HIT_V * n + i];
-            id[HIT_PRIM * n + i] = on ? leaf->patch : id[HIT_PRIM * n + i];
-            id[HIT_GEOM * n + i] = on ? geom : id[HIT_GEOM * n + i];
-            id[HIT_INST * n + i] = on ? instance : id[HIT_INST * n + i];
-        }
-    }
+INLINE plane plane_of(const ep_hierarchy *h, unsigned leaf)
+{
+    const ep_leaf *l = &h->leaves[leaf];
+    const float side = l->side;
+    if (h->patches[l->patch].kind == EP_KIND_TRIANGLE) /* about the centroid */
+        return (plane){l->centre, l->frame, -1.0f / 3 - side, INFINITY, 1.0f / 3 + 2 * side, l->patch};
+    return (plane){l->centre, l->frame, -0.5f - side, 0.5f + side, INFINITY, l->patch};
 }
 
-INLINE void meet_any(void *user, unsigned primID, const int *valid, void *rays, unsigned n, bool occlusion,
-                     unsigned geom, const ep_rtc_context *context)
+/* Where the rays of a packet meet the plane. */
+typedef struct crossings {
+    alignas(64) float t[EP_PACKET], s[EP_PACKET], r[EP_PACKET];
+    alignas(64) int on[EP_PACKET]; /* inside the piece, and nearer than what the ray has */
+} crossings;
+
+/* n is a constant in every caller, so that the loop becomes straight vector code. Returns whether any ray is on. */
+INLINE bool cross(const plane *q, const int *valid, const float *ray, unsigned n, crossings *c)
 {
-    const ep_hierarchy *h = &((EPGeometry)user)->hierarchy;
-    const ep_leaf *leaf = &h->leaves[primID];
-    const ep_patch *patch = &h->patches[leaf->patch];
-    const unsigned instance = context->instID[0];
+    const float(*f)[3] = q->frame;
+    int any = 0;
+#pragma omp simd reduction(| : any)
+    for (unsigned i = 0; i < n; ++i) {
+        const float x = ray[i] - q->centre[0], y = ray[n + i] - q->centre[1], z = ray[2 * n + i] - q->centre[2];
+        const float *d = ray + EP_RAY_DIR * n + i;
+        const float h = f[0][2] * x + f[1][2] * y + f[2][2] * z;
+        const float t = -h / (f[0][2] * d[0] + f[1][2] * d[n] + f[2][2] * d[2 * n]);
+        const float px = x + t * d[0], py = y + t * d[n], pz = z + t * d[2 * n];
+        const float s = f[0][0] * px + f[1][0] * py + f[2][0] * pz;
+        const float r = f[0][1] * px + f[1][1] * py + f[2][1] * pz;
+        const int on = (t > ray[EP_RAY_TNEAR * n + i]) & (t < ray[EP_RAY_TFAR * n + i]) & (s >= q->least) &
+                       (s <= q->most) & (r >= q->least) & (r <= q->most) & (s + r <= q->most_sum) & (valid[i] != 0);
+        c->t[i] = t, c->s[i] = s, c->r[i] = r, c->on[i] = on;
+        any |= on;
+    }
+    return any;
+}
+
+/* The smaller loops that follow are vector code, too: a blend each. */
+INLINE void set(float *row, unsigned n, const crossings *c, const float *values)
+{
+#pragma omp simd
+    for (unsigned i = 0; i < n; ++i) row[i] = c->on[i] ? values[i] : row[i];
+}
+
+INLINE void set_all(float *row, unsigned n, const crossings *c, float value)
+{
+#pragma omp simd
+    for (unsigned i = 0; i < n; ++i) row[i] = c->on[i] ? value : row[i];
+}
+
+INLINE void set_id(float *row, unsigned n, const crossings *c, unsigned value)
+{
+    float bits;
+    memcpy(&bits, &value, sizeof bits);
+    set_all(row, n, c, bits);
+}
+
+INLINE void meet(const plane *q, int *valid, float *ray, unsigned n, bool occlusion, unsigned geom,
+                 const ep_rtc_context *context)
+{
+    crossings c;
+    const bool any = cross(q, valid, ray, n, &c);
+    for (unsigned i = 0; i < n; ++i)
+        if (valid[i]) ep_rtc_report(valid, i, c.on[i]);
+    if (!any) return;
+    if (occlusion) {
+        set_all(ray + EP_RAY_TFAR * n, n, &c, -INFINITY);
+        return;
+    }
+    float *const hit = ray + EP_RAY_FIELDS * n;
+    set(ray + EP_RAY_TFAR * n, n, &c, c.t);
+    for (unsigned k = 0; k < 3; ++k) set_all(hit + (EP_HIT_NG + k) * n, n, &c, q->frame[k][2]);
+    set(hit + EP_HIT_U * n, n, &c, c.s);
+    set(hit + EP_HIT_V * n, n, &c, c.r);
+    set_id(hit + HIT_PRIM * n, n, &c, q->patch);
+    set_id(hit + HIT_GEOM * n, n, &c, geom);
+    for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l)
+        set_id(hit + (HIT_INST + l) * n, n, &c, context->instID[l]);
+}
+
+INLINE void meet_any(void *user, unsigned leaf, int *valid, void *rays, unsigned n, bool occlusion, unsigned geom,
+                     const ep_rtc_context *context)
+{
+    const plane q = plane_of(&((EPGeometry)user)->hierarchy, leaf);
     switch (n) {
-    case 1: meet(leaf, patch, valid, rays, 1, occlusion, geom, instance); break;
-    case 4: meet(leaf, patch, valid, rays, 4, occlusion, geom, instance); break;
-    case 8: meet(leaf, patch, valid, rays, 8, occlusion, geom, instance); break;
-    default: meet(leaf, patch, valid, rays, 16, occlusion, geom, instance); break;
+    case 1: meet(&q, valid, rays, 1, occlusion, geom, context); break;
+    case 4: meet(&q, valid, rays, 4, occlusion, geom, context); break;
+    case 8: meet(&q, valid, rays, 8, occlusion, geom, context); break;
+    default: meet(&q, valid, rays, 16, occlusion, geom, context); break;
     }
 }
 

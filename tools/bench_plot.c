@@ -6,6 +6,7 @@
  * are one point; the dotted line through it shows which tessellations it beats. gnuplot does the drawing: it gets its
  * script from a temporary file as standard input. */
 #include "tools/bench.h"
+#include "tools/files.h"
 #include "tools/machine.h"
 #include "tools/report.h"
 
@@ -71,12 +72,12 @@ static double milliseconds(const bench_subject *s, unsigned w)
 }
 
 static const panel panels[] = {
-    {"camera rays in packets of 16, millions a second", speed, "primary16"},
-    {"random rays in packets of 16, millions a second", speed, "random16"},
-    {"memory, MB", megabytes, NULL},
-    {"single camera rays, millions a second", speed, "primary1"},
-    {"single random rays, millions a second", speed, "random1"},
-    {"time to build, ms", milliseconds, NULL},
+    {"Primary rays in packets of 16, Mray/s", speed, "primary16"},
+    {"Random rays in packets of 16, Mray/s", speed, "random16"},
+    {"Memory, MB", megabytes, NULL},
+    {"Single primary rays, Mray/s", speed, "primary1"},
+    {"Single random rays, Mray/s", speed, "random1"},
+    {"Time to build, ms", milliseconds, NULL},
 };
 
 /* In single quotes, on one line. */
@@ -91,20 +92,27 @@ static void quote(FILE *f, const char *text)
 }
 
 /* Range and ticks of an axis: the more decades, the fewer ticks in each. */
-static void write_axis(FILE *f, char axis, double least, double most)
+static void write_axis(FILE *f, char axis, bool powers, double least, double most)
 {
     static const unsigned ticks[3][8] = {{1, 0}, {1, 2, 5, 0}, {1, 2, 3, 4, 5, 6, 8, 0}};
-    const unsigned *steps = ticks[most / least > 300 ? 0 : most / least > 20 ? 1 : 2];
+    const unsigned *steps = ticks[most / least > 300 ? 0 : most / least > 20 || powers ? 1 : 2];
     fprintf(f, "set %crange [%.9g:%.9g]\nset %ctics (", axis, least, most, axis);
     const char *comma = "";
     for (int e = (int)floor(log10(least)); e <= (int)ceil(log10(most)); ++e)
-        for (const unsigned *k = steps; *k; ++k, comma = ", ") fprintf(f, "%s%.9g", comma, *k * pow(10, e));
+        for (const unsigned *k = steps; *k; ++k, comma = ", ") {
+            const double at = *k * pow(10, e);
+            if (!powers) fprintf(f, "%s'%g' %.9g", comma, at, at);
+            else if (*k == 1) fprintf(f, "%s'10^{%d}' %.9g", comma, e, at);
+            else fprintf(f, "%s'%u·10^{%d}' %.9g", comma, *k, e, at);
+        }
     fprintf(f, ")\n");
 }
 
 static void write_panel(FILE *f, const bench *b, const panel *p, unsigned w)
 {
     const double at = b->patches.position_error, here = p->value(&b->patches, w);
+    const double finest =
+        p->value(&b->grids[b->grid_count - 1], w); /* the nearest point: the label keeps away from it */
     double least = here, most = here;
     fprintf(f, "$grids << EOD\n");
     for (unsigned i = 0; i < b->grid_count; ++i) {
@@ -113,16 +121,19 @@ static void write_panel(FILE *f, const bench *b, const panel *p, unsigned w)
         least = fmin(least, y), most = fmax(most, y);
     }
     fprintf(f, "EOD\nset title '%s'\n", p->title);
-    const double room = 1.15 * pow(most / least, 0.12); /* for the labels */
-    write_axis(f, 'y', least / room, most * room);
+    const bool more = p->workload; /* is better */
+    fprintf(f, "set label 4 '%s' at graph 0.985,%s right font ',11' tc rgb '#999999'\n", more ? "↑ better" : "↓ better",
+            more ? "0.06" : "0.94");
+    const double room = 1.2 * pow(most / least, 0.14); /* for the labels */
+    write_axis(f, 'y', false, least / room, most * room);
     fprintf(f,
             "$patches << EOD\n%.9g %.9g patches\nEOD\n"
             "plot %.9g with lines lc rgb '#e8590c' lw 1 dt 3, \\\n"
             "  $grids using 1:2 with linespoints lc rgb '#4c78a8' lw 1.6 pt 7 ps 0.55, \\\n"
             "  $grids using 1:2:3 with labels boxed tc rgb '#44586c' font ',11' offset 0,0.75, \\\n"
             "  $patches using 1:2 with points lc rgb '#e8590c' pt 7 ps 1.1, \\\n"
-            "  $patches using 1:2:3 with labels tc rgb '#c2410c' font ',13' left offset 0.9,0.75\n",
-            at, here, here);
+            "  $patches using 1:2:3 with labels tc rgb '#c2410c' font ',13' offset 0,%g\n",
+            at, here, here, here < finest ? -1.1 : 1.1);
 }
 
 /* Over and under the pictures. */
@@ -140,7 +151,8 @@ static void write_captions(FILE *f, const bench *b)
              b->options.threads[0] == 1 ? "" : "s", m.embree);
     quote(f, text);
     fprintf(f, " at screen 0.988,0.965 right tc rgb '#777777' noenhanced\n"
-               "set label 3 'largest error of a hit, relative to the size of the scene' at screen 0.5,0.02 center\n");
+               "set label 3 '← better      largest error of a hit, relative to the diagonal of the scene' at screen "
+               "0.5,0.02 center\n");
 }
 
 static void write_script(FILE *f, const bench *b, const char *name)
@@ -150,15 +162,15 @@ static void write_script(FILE *f, const bench *b, const char *name)
         least = fmin(least, b->grids[i].position_error);
         most = fmax(most, b->grids[i].position_error);
     }
-    fprintf(f, "set terminal svg size 1180,640 font 'Helvetica,13' background '#ffffff'\nset output ");
+    fprintf(f,
+            "set encoding utf8\nset terminal svg size 1180,640 font 'Helvetica,13' background '#ffffff'\nset output ");
     quote(f, name);
     fprintf(f, "\nset multiplot layout 2,3 margins 0.045,0.985,0.09,0.875 spacing 0.055,0.15\n"
                "set style textbox opaque noborder fc rgb '#ffffff' margins 0.3,0.2\n"
                "unset key\nset border 3 lc rgb '#888888'\nset tics nomirror scale 0.5 tc rgb '#555555'\n"
                "set logscale xy\nset grid lc rgb '#e6e6e6' lt 1\nset title font ',13' offset 0,-0.4\n");
     write_captions(f, b);
-    write_axis(f, 'x', least / 4, most * 2);
-    fprintf(f, "set format x '10^{%%T}'\nset format y '%%g'\n");
+    write_axis(f, 'x', true, least / 4, most * 2);
     for (size_t i = 0; i < sizeof panels / sizeof *panels; ++i) {
         unsigned w = 0;
         while (panels[i].workload && strcmp(panels[i].workload, bench_workloads[w].name)) ++w;
@@ -168,22 +180,26 @@ static void write_script(FILE *f, const bench *b, const char *name)
     fprintf(f, "unset multiplot\nset output\n");
 }
 
-bool bench_plot(const bench *b, output *to)
+/* NULL, or what is wrong. */
+static const char *draw(FILE *script, const bench *b, const char *name)
 {
     char *const argv[] = {"gnuplot", "-", NULL};
+    if (script) write_script(script, b, name);
+    if (!script || fflush(script) || ferror(script) || fseek(script, 0, SEEK_SET))
+        return "cannot write the script for gnuplot";
+    const int status = run_gnuplot(argv, fileno(script));
+    return !status ? NULL : status < 0 ? "cannot start gnuplot" : "gnuplot failed";
+}
+
+bool bench_plot(const bench *b, const char *path)
+{
+    output o;
+    if (!output_open(&o, path)) return false;
     FILE *script = tmpfile();
-    const char *problem = NULL;
-    if (script) write_script(script, b, to->name);
-    if (!script || fflush(script) || ferror(script) || fseek(script, 0, SEEK_SET)) {
-        problem = "cannot write the script for gnuplot";
-    } else {
-        errno = 0;
-        const int status = run_gnuplot(argv, fileno(script));
-        if (status) problem = status < 0 ? "cannot start gnuplot" : "gnuplot failed";
-    }
+    const char *problem = draw(script, b, o.name);
     if (script) fclose(script);
-    if (!problem) return output_close(to);
-    report_file(to->path, "%s", problem);
-    output_discard(to);
+    if (!problem) return output_close(&o);
+    report_file(path, "%s", problem);
+    output_discard(&o);
     return false;
 }

@@ -7,11 +7,12 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Three digits. */
 static void cell_speed(table *t, double x)
 {
-    table_cell(t, x < 9.995 ? "%.2f" : x < 99.95 ? "%.1f" : "%.0f", x);
+    table_cell(t, x < 0.0995 ? "%.3f" : x < 9.995 ? "%.2f" : x < 99.95 ? "%.1f" : "%.0f", x);
 }
 
 static void cell_bytes(table *t, size_t bytes)
@@ -47,8 +48,15 @@ static void head(table *t, const bench *b, bool first)
         table_cell(t, "memory");
     }
     table_cell(t, "build");
-    for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
-        if (b->options.workloads >> w & 1) table_cell(t, "%s", bench_workloads[w].name);
+    const char *kind = "";
+    for (unsigned w = 0; w < BENCH_WORKLOADS; ++w) {
+        if (!(b->options.workloads >> w & 1)) continue;
+        const bench_workload *x = &bench_workloads[w];
+        const int length = (int)strcspn(x->name, "0123456789");
+        if (!strncmp(kind, x->name, (size_t)length)) table_cell(t, "%u", x->width);
+        else table_cell(t, "%.*s %u", length, x->name, x->width);
+        kind = x->name;
+    }
 }
 
 static void row(table *t, const bench *b, const bench_subject *s, unsigned column)
@@ -85,6 +93,18 @@ static void ratios(table *t, const bench *b, const bench_subject *s, unsigned co
         if (b->options.workloads >> w & 1) cell_speed(t, bench_median(&p->speed[w]) / bench_median(&q->speed[w]));
 }
 
+/* What more threads bring. */
+static void scaling(table *t, const bench *b, unsigned column)
+{
+    table_row(t);
+    table_cell(t, "patches, %u / %u threads", b->options.threads[column], b->options.threads[0]);
+    table_cell(t, "%.2f", bench_median(&b->patches.columns[0].build) / bench_median(&b->patches.columns[column].build));
+    for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
+        if (b->options.workloads >> w & 1)
+            cell_speed(t, bench_median(&b->patches.columns[column].speed[w]) /
+                              bench_median(&b->patches.columns[0].speed[w]));
+}
+
 static void print_column(const bench *b, unsigned column, bool markdown)
 {
     table t = {0};
@@ -97,55 +117,72 @@ static void print_column(const bench *b, unsigned column, bool markdown)
         const unsigned n = b->grids[i].n;
         if (n == 64 || n == 256 || i + 1 == b->grid_count) ratios(&t, b, &b->grids[i], column);
     }
+    if (column) scaling(&t, b, column);
     table_print(&t, markdown);
 }
 
-/* How much the runs of a figure differ from its median: on average, at most. */
-static void spread(const bench *b, double *mean, double *most)
+/* How many threads, and how much the runs of a figure differ from its median. */
+static void print_heading(const bench *b, unsigned column)
 {
-    double sum = 0, count = 0;
-    *most = 0;
+    const unsigned threads = b->options.threads[column];
+    double sum = 0, count = 0, most = 0;
     for (unsigned i = 0; i < b->grid_count + 2; ++i) {
         const bench_subject *s = i < b->grid_count ? &b->grids[i] : i == b->grid_count ? &b->patches : &b->limit;
-        for (unsigned c = 0; c < b->options.columns; ++c)
-            for (unsigned w = 0; w < BENCH_WORKLOADS; ++w) {
-                const bench_figure *f = &s->columns[c].speed[w];
-                for (unsigned r = 0; r < f->runs; ++r) {
-                    const double part = fabs(f->run[r] / bench_median(f) - 1);
-                    sum += part, count += 1;
-                    *most = fmax(*most, part);
-                }
+        for (unsigned w = 0; w < BENCH_WORKLOADS; ++w) {
+            const bench_figure *f = &s->columns[column].speed[w];
+            for (unsigned r = 0; r < f->runs; ++r) {
+                const double part = fabs(f->run[r] / bench_median(f) - 1);
+                sum += part, count += 1;
+                most = fmax(most, part);
             }
+        }
     }
-    *mean = count > 0 ? sum / count : 0;
+    printf("Millions of rays a second with %u thread%s: ", threads, threads == 1 ? "" : "s");
+    if (b->options.runs == 1) printf("one run.\n\n");
+    else
+        printf("medians of %u runs, which differ from them by %.1f %% on average, %.0f %% at most.\n\n",
+               b->options.runs, 100 * sum / count, 100 * most);
+}
+
+/* How much the number of hits differs from another subject's. Bounces and segments do not count: they start on the
+ * exact surface, which is inside of some triangles. */
+static double difference_of_hits(const bench *b, const bench_subject *s)
+{
+    double most = -1;
+    for (unsigned w = 0; w < BENCH_WORKLOADS; ++w) {
+        const bench_kind kind = bench_workloads[w].kind;
+        if (!(b->options.workloads >> w & 1) || (kind != BENCH_PRIMARY && kind != BENCH_RANDOM)) continue;
+        most = fmax(most, fabs((double)b->patches.hits[w] - (double)s->hits[w]) / (double)b->rays.count[kind]);
+    }
+    return most;
+}
+
+static void print_legend(const bench *b)
+{
+    const bench_subject *last = &b->grids[b->grid_count - 1];
+    printf("\n%u×%u triangles a patch are %sas exact as the patches", last->n, last->n, b->matched ? "" : "not ");
+    if (!b->matched && last->n < b->options.max_grid)
+        printf("; finer ones take more than %zu MB to build", b->options.memory >> 20);
+    const double difference = difference_of_hits(b, last);
+    if (difference >= 0)
+        printf(".\nPrimary and random rays hit them as often as the patches, to %.2g %% of the rays", 100 * difference);
+    puts(
+        ".\n1: single rays; 16: packets. Error: the largest distance of a hit from the exact surface, relative to the\n"
+        "scene's diagonal; normal: the largest angle. Memory and build count everything, Embree's part too. Limit:\n"
+        "the hierarchy of the patches with a callback that only meets the leaf's plane.");
 }
 
 void bench_print(const bench *b, bool markdown)
 {
     const machine m = machine_describe();
     EPStatistics statistics;
-    double mean, most;
     epGetGeometryStatistics(b->patches.world->geometries[0], &statistics);
-    spread(b, &mean, &most);
-
-    const char *gap = markdown ? "\n" : "";
-    printf("%s, %zu leaves. %s, %u cores, %s; Embree %s; %s.\n%s", b->scene->path, b->patches.world->leaves, m.cpu,
-           m.cores, statistics.isa, m.embree, m.compiler, gap);
-    printf("Millions of rays a second, %u thread%s", b->options.threads[0], b->options.threads[0] == 1 ? "" : "s");
-    if (b->options.runs == 1) printf(", one run.\n\n");
-    else
-        printf("; medians of %u runs, which differ from them by %.1f %% on average, %.0f %% at most.\n\n",
-               b->options.runs, 100 * mean, 100 * most);
-    print_column(b, 0, markdown);
-    for (unsigned c = 1; c < b->options.columns; ++c) {
-        printf("\nWith %u threads:\n\n", b->options.threads[c]);
+    printf("%s, %zu leaves. %s, %u cores, %s; Embree %s; %s.\n", b->scene->path, b->patches.world->leaves, m.cpu,
+           m.cores, statistics.isa, m.embree, m.compiler);
+    for (unsigned c = 0; c < b->options.columns; ++c) {
+        if (c || markdown) putchar('\n');
+        print_heading(b, c);
         print_column(b, c, markdown);
     }
-    const bench_subject *last = &b->grids[b->grid_count - 1];
-    if (b->matched) printf("\n%u×%u triangles a patch are as exact as the patches. ", last->n, last->n);
-    else printf("\nNo tessellation was as exact as the patches. ");
-    printf(
-        "Error: the largest distance of a hit from the\nexact surface, relative to the scene's diagonal; normal: the "
-        "largest angle. Memory and build count everything,\nEmbree's part too. Limit: the hierarchy of the patches "
-        "with a callback that only meets the leaf's plane.\n");
+    print_legend(b);
 }

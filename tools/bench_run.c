@@ -2,28 +2,27 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * First the patches are built, then one tessellation after the other, each twice as fine, until one is as exact as the
- * patches or the next does not fit into memory. That was the first of the runs that measure building; the rest follow,
- * in the same order. Then all of them are in memory and the runs that measure tracing begin. */
+ * A run builds the patches and their limit, which stay, and one tessellation after the other, so that only one is in
+ * memory at a time. With each of them the patches and the limit trace their share of the rays again: A B C, A B D, ...
+ * Whatever slows the machine down for a while slows all of them. The first run also measures the errors, and ends with
+ * the first tessellation that is as exact as the patches, or with the last that fits into memory; so do the others. */
 #include "tools/bench.h"
 #include "tools/outline.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 
 #include <math.h>
-#include <string.h>
 
-/* A measurement takes at least so long: passes over the rays are repeated. It is done in slices, between which the
- * other subjects have their turn, and a slice starts with a block that does not count: it fills the caches again. */
+/* A measurement takes at least so long: passes over the rays are repeated. */
 #define SECONDS 0.04
 #define PASSES_MAX 1000
-#define SLICES 4
 
-enum { SUBJECTS_MAX = BENCH_GRIDS_MAX + 2 };
+/* What a triangle of a grid needs at most, while Embree builds: half a vertex and an index (18), Embree's hierarchy
+ * (66), what it sorts (32), and what its allocator keeps. Measured: 128. */
+#define BYTES_A_TRIANGLE 144
 
-/* What a triangle of a grid needs while Embree builds: half a vertex and an index (18), Embree's hierarchy (66), and
- * what it sorts (32); rounded up. */
-#define BYTES_A_TRIANGLE 128
+/* How long things take, for the progress bar: building with so many triangles as long as one workload. */
+#define TRIANGLES_A_WORKLOAD 200000
 
 static bool build(bench *b, bench_subject *s, unsigned column)
 {
@@ -49,62 +48,17 @@ static size_t count_triangles(const scene *s, unsigned n)
     return count;
 }
 
-static bool build_patches(bench *b)
+/* All tessellations that are allowed. */
+static bool plan_grids(bench *b)
 {
-    if (!build(b, &b->patches, 0)) return false;
-    const float *box = b->patches.world->bounds;
-    double squares = 0;
-    for (int x = 0; x < 3; ++x) squares += ((double)box[3 + x] - box[x]) * ((double)box[3 + x] - box[x]);
-    b->diagonal = sqrt(squares);
-    return bench_rays_new(&b->rays, b->patches.world, &b->options) &&
-           bench_errors(b->patches.world, &b->rays, b->diagonal, &b->patches);
-}
-
-static bool build_grids(bench *b)
-{
-    const size_t room = b->options.memory / BYTES_A_TRIANGLE;
-    const size_t most = b->options.max_grid;
-    size_t used = 0;
-    progress p;
-    bool done = true;
-    progress_begin(&p, "tessellate", most * most);
-    for (unsigned n = BENCH_FIRST_GRID; n <= most && !b->matched; n *= 2) {
-        bench_subject *g = &b->grids[b->grid_count];
-        g->n = n;
-        g->triangles = count_triangles(b->scene, n);
-        if (g->triangles > room - used || g->triangles > UINT32_MAX / 2) break;
-        used += g->triangles;
-        ++b->grid_count;
-        done = build(b, g, 0) && bench_errors(g->world, &b->rays, b->diagonal, g);
-        if (!done) break;
-        b->matched = g->position_error <= b->patches.position_error;
-        progress_add(&p, (size_t)n * n);
+    for (unsigned n = BENCH_FIRST_GRID; n <= b->options.max_grid; n *= 2) {
+        const size_t triangles = count_triangles(b->scene, n);
+        if (triangles > b->options.memory / BYTES_A_TRIANGLE || triangles > UINT32_MAX / 2) break;
+        b->grids[b->grid_count++] = (bench_subject){.n = n, .triangles = triangles};
     }
-    progress_end(&p);
-    if (b->grid_count) return done;
-    report_file(b->scene->path, "%zu MB are too little for any tessellation", b->options.memory >> 20);
+    if (b->grid_count) return true;
+    report_file(b->scene->path, "%zu MB (--memory) are too little for any tessellation", b->options.memory >> 20);
     return false;
-}
-
-/* Everything again, for the medians of build_seconds. */
-static bool rebuild(bench *b)
-{
-    const bench_options *o = &b->options;
-    progress p;
-    bool done = true;
-    size_t triangles = 0;
-    for (unsigned i = 0; i < b->grid_count; ++i) triangles += b->grids[i].triangles;
-    progress_begin(&p, "build", (o->runs * o->columns - 1) * triangles);
-    for (unsigned run = 0; run < o->runs && done; ++run)
-        for (unsigned column = run ? 0 : 1; column < o->columns && done; ++column) {
-            done = build(b, &b->patches, column);
-            for (unsigned i = 0; i < b->grid_count && done; ++i) {
-                done = build(b, &b->grids[i], column);
-                progress_add(&p, b->grids[i].triangles);
-            }
-        }
-    progress_end(&p);
-    return done;
 }
 
 static EPCounters difference(const EPCounters *after, const EPCounters *before)
@@ -114,70 +68,145 @@ static EPCounters difference(const EPCounters *after, const EPCounters *before)
                         after->slow - before->slow};
 }
 
-/* The rays once, to see what they cost and how long they take. */
-static bool warm_up(const bench *b, bench_subject *s, unsigned workload)
+static bool is_measured(const bench *b, unsigned workload)
 {
-    const bench_workload *w = &bench_workloads[workload];
-    bench_timing t = {0};
-    EPCounters before, after;
-    epGetCounters(&before);
-    if (!bench_trace(s->rtc, w, &b->rays, 0, bench_blocks(w, &b->rays), b->options.threads[0], &t)) return false;
-    epGetCounters(&after);
-    s->hits[workload] = t.hits;
-    s->cost[workload] = difference(&after, &before);
-    s->passes[workload] = (unsigned)fmin(ceil(SECONDS / fmax(t.seconds, SECONDS / PASSES_MAX)), PASSES_MAX);
+    return b->options.workloads >> workload & 1;
+}
+
+/* The rays once, to see what they cost and how long they take. */
+static bool warm_up(const bench *b, bench_subject *s)
+{
+    for (unsigned i = 0; i < BENCH_WORKLOADS; ++i) {
+        if (!is_measured(b, i)) continue;
+        const bench_workload *w = &bench_workloads[i];
+        bench_timing t = {0};
+        EPCounters before, after;
+        epGetCounters(&before);
+        if (!bench_trace(s->rtc, w, &b->rays, 0, bench_blocks(w, &b->rays), b->options.threads[0], &t)) return false;
+        epGetCounters(&after);
+        s->hits[i] = t.hits;
+        s->cost[i] = difference(&after, &before);
+        s->passes[i] = (unsigned)fmin(ceil(SECONDS / fmax(t.seconds, SECONDS / PASSES_MAX)), PASSES_MAX);
+    }
     return true;
 }
 
-/* One workload on all subjects, A B C ... A B C ...: one run of its figures. */
-static bool measure(const bench *b, bench_subject *const *subjects, unsigned count, unsigned workload, unsigned column)
+/* What the patches or the limit have traced in a run so far. */
+typedef struct share {
+    bench_timing timing[BENCH_WORKLOADS];
+    size_t blocks[BENCH_WORKLOADS];
+} share;
+
+static size_t all_blocks(const bench *b, const bench_subject *s, unsigned workload, unsigned column)
+{
+    return bench_blocks(&bench_workloads[workload], &b->rays) * s->passes[workload] * b->options.threads[column];
+}
+
+/* Blocks first .. end - 1, after a block a thread that does not count: it fills the caches. */
+static bool trace(const bench *b, const bench_subject *s, unsigned workload, unsigned column, size_t first, size_t end,
+                  bench_timing *t)
 {
     const bench_workload *w = &bench_workloads[workload];
     const unsigned threads = b->options.threads[column];
-    bench_timing t[SUBJECTS_MAX] = {0}, unused;
-    for (size_t slice = 0; slice < SLICES; ++slice)
-        for (unsigned i = 0; i < count; ++i) {
-            const size_t turns = bench_blocks(w, &b->rays) * subjects[i]->passes[workload] * threads;
-            const size_t first = turns * slice / SLICES, end = turns * (slice + 1) / SLICES;
-            if (!bench_trace(subjects[i]->rtc, w, &b->rays, first, threads, threads, &unused) ||
-                !bench_trace(subjects[i]->rtc, w, &b->rays, first, end - first, threads, &t[i]))
-                return false;
-        }
-    for (unsigned i = 0; i < count; ++i)
-        bench_add(&subjects[i]->columns[column].speed[workload], 1e-6 * (double)t[i].rays / t[i].seconds);
+    bench_timing unused = {0};
+    return first == end || (bench_trace(s->rtc, w, &b->rays, first, threads, threads, &unused) &&
+                            bench_trace(s->rtc, w, &b->rays, first, end - first, threads, t));
+}
+
+/* The share of the patches or the limit that goes with tessellation `grid`. */
+static bool trace_share(const bench *b, const bench_subject *s, unsigned workload, unsigned column, unsigned grid,
+                        share *to)
+{
+    const size_t first = to->blocks[workload];
+    to->blocks[workload] = all_blocks(b, s, workload, column) * (grid + 1) / b->grid_count;
+    return trace(b, s, workload, column, first, to->blocks[workload], &to->timing[workload]);
+}
+
+static void add_speed(bench_subject *s, unsigned workload, unsigned column, const bench_timing *t)
+{
+    bench_add(&s->columns[column].speed[workload], 1e-6 * (double)t->rays / t->seconds);
+}
+
+static bool build_patches(bench *b, unsigned column, bool first)
+{
+    bench_limit_free(b->limit_scene);
+    b->limit_scene = NULL;
+    if (!build(b, &b->patches, column)) return false;
+    b->limit_scene = bench_limit_new(b->patches.world);
+    if (!b->limit_scene) return false;
+    b->limit.rtc = bench_limit_scene(b->limit_scene);
+    if (!first) return true;
+
+    const float *box = b->patches.world->bounds;
+    double squares = 0;
+    for (int x = 0; x < 3; ++x) squares += ((double)box[3 + x] - box[x]) * ((double)box[3 + x] - box[x]);
+    b->diagonal = sqrt(squares);
+    return bench_rays_new(&b->rays, b->patches.world, &b->options) &&
+           bench_errors(b->patches.world, &b->rays, b->diagonal, &b->patches) && warm_up(b, &b->patches) &&
+           warm_up(b, &b->limit);
+}
+
+static bool build_grid(bench *b, unsigned grid, unsigned column, bool first)
+{
+    bench_subject *g = &b->grids[grid];
+    if (!build(b, g, column)) return false;
+    if (!first) return true;
+    if (!bench_errors(g->world, &b->rays, b->diagonal, g) || !warm_up(b, g)) return false;
+    b->matched = g->position_error <= b->patches.position_error;
+    if (b->matched) b->grid_count = grid + 1;
     return true;
 }
 
-static bool trace_all(bench *b)
+static size_t effort(const bench *b, unsigned grid)
 {
-    const bench_options *o = &b->options;
-    bench_subject *subjects[SUBJECTS_MAX] = {&b->patches, &b->limit};
-    const unsigned count = b->grid_count + 2;
-    for (unsigned i = 0; i < b->grid_count; ++i) subjects[2 + i] = &b->grids[i];
+    return b->grids[grid].triangles + BENCH_WORKLOADS * TRIANGLES_A_WORKLOAD;
+}
 
-    progress p;
-    bool done = true;
-    progress_begin(&p, "trace", (o->runs + 1) * BENCH_WORKLOADS);
-    for (unsigned run = 0; run <= o->runs && done; ++run)
+static bool measure(bench *b, unsigned column, bool first, progress *p)
+{
+    share patches = {0}, limit = {0};
+    bool done = build_patches(b, column, first);
+    for (unsigned i = 0; i < b->grid_count && done; ++i) {
+        bench_subject *g = &b->grids[i];
+        done = build_grid(b, i, column, first);
+        progress_add(p, g->triangles);
         for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
-            if (o->workloads >> w & 1) {
-                for (unsigned i = 0; i < count && done && !run; ++i) done = warm_up(b, subjects[i], w);
-                for (unsigned c = 0; c < o->columns && done && run; ++c) done = measure(b, subjects, count, w, c);
+            bench_timing t = {0};
+            if (is_measured(b, w)) {
+                done = trace_share(b, &b->patches, w, column, i, &patches) &&
+                       trace(b, g, w, column, 0, all_blocks(b, g, w, column), &t) &&
+                       trace_share(b, &b->limit, w, column, i, &limit);
+                if (done) add_speed(g, w, column, &t);
             }
-            progress_add(&p, 1);
+            progress_add(p, TRIANGLES_A_WORKLOAD);
         }
-    progress_end(&p);
+        world_free(g->world);
+        g->world = NULL;
+    }
+    for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
+        if (!is_measured(b, w)) continue;
+        add_speed(&b->patches, w, column, &patches.timing[w]);
+        add_speed(&b->limit, w, column, &limit.timing[w]);
+    }
     return done;
 }
 
 bool bench_run(bench *b, const scene *s, const bench_options *o)
 {
     *b = (bench){.scene = s, .options = *o};
-    if (!build_patches(b) || !build_grids(b) || !rebuild(b)) return false;
-    b->limit_scene = bench_limit_new(b->patches.world);
-    if (!b->limit_scene) return false;
-    b->limit.rtc = bench_limit_scene(b->limit_scene);
-    return trace_all(b);
+    if (!plan_grids(b)) return false;
+    const unsigned planned = b->grid_count, turns = o->runs * o->columns;
+    size_t total = 0;
+    for (unsigned i = 0; i < planned; ++i) total += effort(b, i);
+    progress p;
+    progress_begin(&p, "bench", turns * total);
+    bool done = true;
+    for (unsigned turn = 0; turn < turns && done; ++turn) {
+        done = measure(b, turn % o->columns, !turn, &p);
+        for (unsigned i = b->grid_count; i < planned; ++i) progress_add(&p, effort(b, i));
+    }
+    progress_end(&p);
+    return done;
 }
 
 void bench_free(bench *b)

@@ -18,7 +18,13 @@
 
 /* Field f of lane k of a packet stands at [f * width + k]. */
 enum { ORG = 0, TNEAR = 3, DIR = 4, TIME = 7, TFAR = 8, MASK = 9, ID = 10, FLAGS = 11, GEOM_ID = 18, INST_ID = 19 };
-enum { RAY_FIELDS = 12, RAYHIT_FIELDS = 20 };
+
+/* Bytes between the rays of a block; those of a packet stand side by side. Newer Embrees have more instance ids. */
+static size_t ray_bytes(const bench_workload *w)
+{
+    if (w->occluded) return sizeof(struct RTCRay);
+    return w->width == 1 ? sizeof(struct RTCRayHit) : sizeof(struct RTCRayHit16) / 16;
+}
 
 static double seconds(clockid_t clock)
 {
@@ -70,10 +76,10 @@ bool bench_trace(RTCScene rtc, const bench_workload *w, const bench_rays *r, siz
     const unsigned width = w->width;
     const bool occluded = w->occluded, coherent = w->coherent;
     const clockid_t clock = threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
-    const size_t ray_bytes = (occluded ? RAY_FIELDS : RAYHIT_FIELDS) * sizeof(float), stride = ray_bytes * width;
+    const size_t block_bytes = ray_bytes(w) * BLOCK_RAYS, stride = ray_bytes(w) * width;
     const size_t blocks = bench_blocks(w, r), rays = r->count[w->kind];
 
-    char *buffers = aligned_alloc(64, threads * BLOCK_RAYS * ray_bytes);
+    char *buffers = aligned_alloc(64, threads * block_bytes);
     if (!buffers) return report_no_memory(NULL), false;
     double busy = 0;
     size_t traced = 0, hits = 0;
@@ -82,7 +88,7 @@ bool bench_trace(RTCScene rtc, const bench_workload *w, const bench_rays *r, siz
     {
 #pragma omp single
         team = omp_get_num_threads();
-        char *buffer = buffers + (size_t)omp_get_thread_num() * BLOCK_RAYS * ray_bytes;
+        char *buffer = buffers + (size_t)omp_get_thread_num() * block_bytes;
 #pragma omp for schedule(dynamic)
         for (size_t turn = first; turn < first + count; ++turn) {
             const size_t start = turn % blocks * BLOCK_RAYS;

@@ -4,6 +4,7 @@
 #include "tools/args.h"
 #include "tools/bench.h"
 #include "tools/commands.h"
+#include "tools/files.h"
 #include "tools/machine.h"
 #include "tools/report.h"
 #include "tools/stats.h"
@@ -17,23 +18,29 @@ typedef struct bench_command {
     bench_options options;
 } bench_command;
 
-static bool write_results(const bench_command *c, const bench *b, output *plot)
+/* Whether the file can be written, before a minute is spent on what goes into it. */
+static bool can_write(const char *path)
+{
+    output o;
+    if (!output_open(&o, path)) return false;
+    output_discard(&o);
+    return true;
+}
+
+static bool write_results(const bench_command *c, const bench *b)
 {
     bool done = true;
     if (c->json) done = stats_write("-", bench_json(b));
     else bench_print(b, c->markdown);
-    if (c->stats) done = stats_write(c->stats, bench_json(b)) && done;
-    if (!c->plot) return done;
-    if (done) return bench_plot(b, plot);
-    output_discard(plot);
-    return false;
+    if (c->stats) done = done && stats_write(c->stats, bench_json(b));
+    return done && (!c->plot || bench_plot(b, c->plot));
 }
 
 static bool run(const bench_command *c)
 {
-    output plot;
     bench b = {0};
-    if (c->plot && (!bench_plot_possible(c->plot) || !output_open(&plot, c->plot))) return false;
+    if (c->plot && !(bench_plot_possible(c->plot) && can_write(c->plot))) return false;
+    if (c->stats && !can_write(c->stats)) return false;
 
     scene *s = scene_read(c->scene);
     bool done = s != NULL;
@@ -41,9 +48,7 @@ static bool run(const bench_command *c)
         report_file(s->path, "there is no camera for --scene-camera");
         done = false;
     }
-    done = done && bench_run(&b, s, &c->options);
-    if (done) done = write_results(c, &b, &plot);
-    else if (c->plot) output_discard(&plot);
+    done = done && bench_run(&b, s, &c->options) && write_results(c, &b);
     bench_free(&b);
     if (s) scene_free(s);
     return done;
@@ -73,12 +78,13 @@ int cmd_bench(int argc, char **argv)
     static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
     bench_command c = {.threads = 1,
                        .options = {.runs = 5,
-                                   .rays = 1 << 20,
+                                   .rays = 1 << 19,
                                    .workloads = (1u << BENCH_WORKLOADS) - 1,
                                    .max_grid = BENCH_LAST_GRID,
                                    .build = epDefaultBuildSettings()}};
     unsigned isa = 0;
     for (int i = 1; i < argc; ++i) c.degrees |= !strcmp(argv[i], "--degrees");
+    if (c.degrees) c.threads = 0;
     const arg_option options[] = {
         ARG_FLAG("--json", &c.json, "one JSON object instead of the table"),
         ARG_FLAG("--table", &c.markdown, "the table as Markdown"),
@@ -86,15 +92,16 @@ int cmd_bench(int argc, char **argv)
         ARG_STRING("--plot", "FILE.svg", &c.plot, "error against speed, memory and build time, drawn by\ngnuplot"),
         ARG_UNSIGNED("--runs", "N", &c.options.runs, 1, BENCH_RUNS_MAX, "runs; figures are their medians (5)"),
         ARG_UNSIGNED("--rays", "N", &c.options.rays, 16, 1u << 28,
-                     "camera rays, about; a quarter as many of the other\nkinds (1048576)"),
+                     "camera rays, about; a quarter as many of the other\nkinds (524288)"),
         ARG_SET("--workloads", "primary1,primary16,random1,random16,bounce1,bounce16,occluded1,occluded16",
                 &c.options.workloads, "only these; 1: single rays, 16: packets (all)"),
-        ARG_UNSIGNED("--threads", "N", &c.threads, 0, 1024, "for building and tracing; 0: all (1)"),
+        ARG_UNSIGNED("--threads", "N", &c.threads, 0, 1024,
+                     "for building and tracing; 0: all (1; with --degrees: all)"),
         ARG_FLAG("--all-threads", &c.all_threads, "measure with one thread and with all"),
         ARG_UNSIGNED("--max-tessellation", "N", &c.options.max_grid, BENCH_FIRST_GRID, BENCH_LAST_GRID,
                      "the finest tessellation, a power of two\n(what memory allows)"),
         ARG_UNSIGNED("--memory", "MB", &c.megabytes, 1, 1u << 30,
-                     "for all tessellations together\n(half of what is free, 4096 at most)"),
+                     "that a tessellation may take while it is built\n(half of what is free, 4096 at most)"),
         ARG_FLAG("--scene-camera", &c.options.scene_camera,
                  "the scene's camera for primary rays, not one that fills\nthe picture"),
         ARG_FLAG("--degrees", &c.degrees,
@@ -114,12 +121,14 @@ int cmd_bench(int argc, char **argv)
     if (status != ARGS_GO) return status;
     if (c.json && c.markdown) return args_wrong(&table, "--json and --table exclude each other");
     if (c.stats && !strcmp(c.stats, "-")) return args_wrong(&table, "--stats is '-'; --json writes to standard output");
-    if (c.all_threads && c.threads != 1) return args_wrong(&table, "--threads and --all-threads exclude each other");
+    if (c.all_threads && !c.degrees && c.threads != 1)
+        return args_wrong(&table, "--threads and --all-threads exclude each other");
     if (!is_power_of_two(c.options.max_grid))
         return args_wrong(&table, "--max-tessellation is '%u', not a power of two", c.options.max_grid);
     if (c.plot && (strlen(c.plot) < 5 || strcmp(c.plot + strlen(c.plot) - 4, ".svg")))
         return args_wrong(&table, "--plot is '%s', not the name of an .svg file", c.plot);
-    if (c.degrees && (c.plot || c.stats)) return args_wrong(&table, "--degrees has no --plot and no --stats");
+    if (c.degrees && (c.plot || c.stats || c.all_threads))
+        return args_wrong(&table, "--degrees goes with none of --plot, --stats and --all-threads");
     c.options.build.isa = sets[isa];
     settle(&c);
     if (c.degrees)

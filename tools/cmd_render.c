@@ -156,22 +156,10 @@ static bool run(render_command *c)
     return done;
 }
 
-/* "patches" or "triangles:N". */
-static bool read_as(const char *text, unsigned *n)
-{
-    char *end;
-    if (!strcmp(text, "patches")) return true;
-    if (strncmp(text, "triangles:", 10) || text[10] < '0' || text[10] > '9') return false;
-    unsigned long x = strtoul(text + 10, &end, 10);
-    *n = (unsigned)x;
-    return !*end && x >= 1 && x <= 8192;
-}
-
 int cmd_render(int argc, char **argv)
 {
     static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
     render_command c = {.size = {1280, 720}, .spp = 16, .world.build = epDefaultBuildSettings()};
-    const char *as = "patches";
     double placed[10] = {[9] = NAN};
     unsigned up = 1, isa = 0;
     const arg_option options[] = {
@@ -186,8 +174,8 @@ int cmd_render(int argc, char **argv)
                    "a panorama to light the scene with (latitude-\nlongitude) in place of a studio"),
         ARG_SET("--aov", FILM_LAYER_WORDS, &c.layers,
                 "more layers in the same image, which must be an\nEXR or TIFF; a ray through each pixel's centre"),
-        ARG_STRING("--as", "patches|triangles:N", &as,
-                   "exact patches, or each an N x N grid of Embree\ntriangles (patches)"),
+        ARG_CHOICE_N("--as", "patches|triangles:N", &c.world.tessellation, 1, 8192,
+                     "exact patches, or each an N x N grid of Embree\ntriangles (patches)"),
         ARG_UNSIGNED("--threads", "N", &c.threads, 0, 1024, "at most so many threads; 0: all (0)"),
         ARG_STRING("--stats", "FILE", &c.stats, "counts and times as JSON"),
         ARG_CHOICE("--isa", "best|plain|avx2|avx512", &isa, "instruction set of the kernels (best)"),
@@ -202,9 +190,9 @@ int cmd_render(int argc, char **argv)
     if (status != ARGS_GO) return status;
     if (!c.image) return args_wrong(&table, "-o IMAGE is missing");
     char why[500];
+    if (c.stats && !strcmp(c.image, c.stats))
+        return args_wrong(&table, "the picture and the stats cannot both go to %s", c.image);
     if (!film_suits(c.image, c.layers, why, sizeof why)) return args_wrong(&table, "%s", why);
-    if (!read_as(as, &c.world.tessellation))
-        return args_wrong(&table, "--as is '%s', not patches or triangles:N with N from 1 to 8192", as);
 
     c.has_camera = !isnan(placed[9]);
     if (c.has_camera) {

@@ -68,23 +68,11 @@ static bool run(trace_command *c, const trace_ray *rays, size_t count)
     return done;
 }
 
-/* "patches" or "triangles:N". */
-static bool read_as(const char *text, unsigned *n)
-{
-    char *end;
-    if (!strcmp(text, "patches")) return true;
-    if (strncmp(text, "triangles:", 10) || text[10] < '0' || text[10] > '9') return false;
-    unsigned long x = strtoul(text + 10, &end, 10);
-    *n = (unsigned)x;
-    return !*end && x >= 1 && x <= 8192;
-}
-
 int cmd_trace(int argc, char **argv)
 {
     static const unsigned widths[] = {1, 4, 8, 16};
     static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
     trace_command c = {.world.build = epDefaultBuildSettings()};
-    const char *as = "patches";
     unsigned width = 3, isa = 0;
     const arg_option options[] = {
         ARG_STRING("--rays", "FILE", &c.rays,
@@ -94,8 +82,8 @@ int cmd_trace(int argc, char **argv)
         ARG_CHOICE("--width", "1|4|8|16", &width, "rays a packet (16)"),
         ARG_FLAG("--coherent", &c.trace.coherent, "tell Embree that neighbouring rays are alike"),
         ARG_FLAG("--occluded", &c.trace.occluded, "only whether anything is hit: one byte a ray, 1 or 0"),
-        ARG_STRING("--as", "patches|triangles:N", &as,
-                   "exact patches, or each an N x N grid of Embree\ntriangles (patches)"),
+        ARG_CHOICE_N("--as", "patches|triangles:N", &c.world.tessellation, 1, 8192,
+                     "exact patches, or each an N x N grid of Embree\ntriangles (patches)"),
         ARG_UNSIGNED("--threads", "N", &c.trace.threads, 0, 1024, "at most so many threads; 0: all (0)"),
         ARG_STRING("--stats", "FILE", &c.stats, "counts and times as JSON"),
         ARG_CHOICE("--isa", "best|plain|avx2|avx512", &isa, "instruction set of the kernels (best)"),
@@ -112,12 +100,11 @@ int cmd_trace(int argc, char **argv)
     if (status != ARGS_GO) return status;
     if (!c.rays) return args_wrong(&table, "--rays FILE is missing");
     if (!c.hits) return args_wrong(&table, "--hits FILE is missing");
-    if (!read_as(as, &c.world.tessellation))
-        return args_wrong(&table, "--as is '%s', not patches or triangles:N with N from 1 to 8192", as);
     if (!strcmp(c.scene, "-") && !strcmp(c.rays, "-"))
         return args_wrong(&table, "the scene and the rays cannot both come from standard input");
-    if (c.stats && !strcmp(c.hits, "-") && !strcmp(c.stats, "-"))
-        return args_wrong(&table, "the hits and the stats cannot both go to standard output");
+    if (c.stats && !strcmp(c.hits, c.stats))
+        return args_wrong(&table, "the hits and the stats cannot both go to %s",
+                          strcmp(c.hits, "-") ? c.hits : "standard output");
     c.trace.width = widths[width];
     c.world.build.isa = sets[isa];
 

@@ -9,6 +9,7 @@
 #include "embree_patch/embree_patch.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -54,8 +55,17 @@ static int run(int argc, char **argv)
     return 2;
 }
 
+/* Where a standard stream is closed, the next file opened would take its place, and messages would go into a picture.
+ * What stands there instead fails to be read, or to be written. */
+static void occupy_standard_streams(void)
+{
+    for (int fd = 0; fd <= 2; ++fd)
+        if (fcntl(fd, F_GETFD) < 0) open("/dev/null", fd ? O_RDONLY : O_WRONLY);
+}
+
 int main(int argc, char **argv)
 {
+    occupy_standard_streams();
     signal(SIGXFSZ, SIG_IGN); /* a limit on file sizes is then an error of write() like a full disk */
     int status = run(argc, argv);
 

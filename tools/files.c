@@ -140,7 +140,8 @@ bool output_open(output *o, const char *path)
         return false;
     }
     int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (is_temporary(o) ? O_EXCL : 0);
-    int fd = open(o->name, flags, exists ? st.st_mode & 0777 : 0666);
+    bool may = !exists || !access(o->target, W_OK); /* or a file that is write-protected would be replaced */
+    int fd = may ? open(o->name, flags, exists ? st.st_mode & 0777 : 0666) : -1;
     if (fd >= 0 && is_temporary(o)) {
         remember(o->name);
         catch_signals();

@@ -72,15 +72,10 @@ static const char *find(const char *text, const json_step *at, const char **key)
     return NULL;
 }
 
-place json_place(const char *file, const char *text, const json_step *at, int at_key)
+place text_place(const char *file, const char *text, const char *at)
 {
-    const char *key = NULL, *s = find(text, at, &key);
-    place where = {file, 0, 0};
-
-    if (at_key && s) s = key;
-    if (!s) return where;
-    where.line = where.column = 1;
-    for (const char *c = text; c < s; ++c) {
+    place where = {file, 1, 1};
+    for (const char *c = text; c < at; ++c) {
         if (*c == '\n') {
             ++where.line;
             where.column = 1;
@@ -89,4 +84,11 @@ place json_place(const char *file, const char *text, const json_step *at, int at
         }
     }
     return where;
+}
+
+place json_place(const char *file, const char *text, const json_step *at, int at_key)
+{
+    const char *key = NULL, *s = find(text, at, &key);
+    if (!s) return (place){file, 0, 0};
+    return text_place(file, text, at_key ? key : s);
 }

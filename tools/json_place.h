@@ -23,4 +23,7 @@ typedef struct json_step {
  * 0 byte. Of the file alone when the chain leads nowhere. */
 place json_place(const char *file, const char *text, const json_step *at, int at_key);
 
+/* Where the character `at` of a text is. */
+place text_place(const char *file, const char *text, const char *at);
+
 #endif

@@ -20,6 +20,7 @@
 typedef struct reader {
     const char *path, *text;
     scene *s;
+    json_t *names; /* of the geometries, once they are read: name -> index, or -1 where several are called so */
 } reader;
 
 typedef struct node {
@@ -292,17 +293,29 @@ static bool read_geometry(const reader *r, const node *n, scene_geometry *g)
     return type->read(r, n, g);
 }
 
+static json_t *index_names(const scene *s)
+{
+    json_t *names = json_object();
+    for (size_t i = 0; i < s->geometry_count; ++i) {
+        const char *name = s->geometries[i].name;
+        if (!name) continue;
+        json_int_t at = json_object_get(names, name) ? -1 : (json_int_t)i;
+        if (!json_object_set_new(names, name, json_integer(at))) continue;
+        json_decref(names);
+        return NULL;
+    }
+    return names;
+}
+
 static bool find_geometry(const reader *r, const node *n, size_t *found)
 {
-    const scene *s = r->s;
     if (!is(r, n, JSON_STRING, "an object's geometry")) return false;
-
     const char *name = json_string_value(n->json);
-    size_t matches = 0;
-    for (size_t i = 0; i < s->geometry_count; ++i)
-        if (s->geometries[i].name && !strcmp(s->geometries[i].name, name)) *found = i, ++matches;
-    if (matches == 1) return true;
-    return wrong(r, n, matches ? "several geometries are called '%s'" : "no geometry is called '%s'", name);
+    const json_t *at = json_object_get(r->names, name);
+    if (!at) return wrong(r, n, "no geometry is called '%s'", name);
+    if (json_integer_value(at) < 0) return wrong(r, n, "several geometries are called '%s'", name);
+    *found = (size_t)json_integer_value(at);
+    return true;
 }
 
 /* Embree inverts transforms in float, so that is what must be possible. */
@@ -335,6 +348,24 @@ static bool read_object(const reader *r, const node *n, scene_object *o)
     o->identity = true;
     for (int i = 0; i < 12; ++i) o->identity = o->identity && o->transform[i] == identity[i];
     return true;
+}
+
+static bool read_objects(const reader *r, const node *objects)
+{
+    scene *s = r->s;
+    if (!is(r, objects, JSON_ARRAY, "'objects'")) return false;
+    size_t count = json_array_size(objects->json);
+    reader named = *r;
+    named.names = index_names(s);
+    s->objects = calloc(count ? count : 1, sizeof *s->objects);
+    bool done = named.names && s->objects;
+    if (!done) no_memory(r);
+    while (done && s->object_count < count) {
+        node e = element(objects, s->object_count);
+        done = read_object(&named, &e, &s->objects[s->object_count++]);
+    }
+    json_decref(named.names);
+    return done;
 }
 
 static bool read_camera(const reader *r, const node *n, camera *c)
@@ -377,16 +408,7 @@ static bool read_scene(const reader *r, const node *root)
         if (!read_geometry(r, &e, &s->geometries[s->geometry_count++])) return false;
     }
 
-    if (!objects.json) return true;
-    if (!is(r, &objects, JSON_ARRAY, "'objects'")) return false;
-    count = json_array_size(objects.json);
-    s->objects = calloc(count ? count : 1, sizeof *s->objects);
-    if (!s->objects) return no_memory(r);
-    for (s->object_count = 0; s->object_count < count;) {
-        node e = element(&objects, s->object_count);
-        if (!read_object(r, &e, &s->objects[s->object_count++])) return false;
-    }
-    return true;
+    return !objects.json || read_objects(r, &objects);
 }
 
 bool scene_read_json(const char *path, scene *s)
@@ -396,10 +418,16 @@ bool scene_read_json(const char *path, scene *s)
     char *text = input_read(path, &size);
     if (!text) return false;
 
+    const char *end = text + strlen(text);
+    if (end != text + size) { /* jansson lets some pass, and nothing could be found behind them */
+        report(text_place(s->path, text, end), "a zero byte in a text file");
+        free(text);
+        return false;
+    }
     node root = {{NULL, NULL, 0}, json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &error)};
     bool done = false;
     if (root.json) {
-        done = read_scene(&(reader){path, text, s}, &root);
+        done = read_scene(&(reader){path, text, s, NULL}, &root);
     } else if (!size) {
         report_file(s->path, "the file is empty");
     } else if (!error.text[0]) { /* jansson always finds words but when an allocation fails */

@@ -5,9 +5,9 @@
 
 say() { printf '%s\n' "$*" >&2; }
 
-# Prints the packages that this machine lacks.
+# Prints the packages that this machine lacks; an argument is PROGRAM, or PROGRAM:PACKAGES where the names differ.
 setup_missing() {
-    for pair in meson:meson ninja:ninja-build gcc:gcc g++:g++ pkg-config:pkg-config python3:python3; do
+    for pair in meson:meson ninja:ninja-build gcc:gcc g++:g++ pkg-config:pkg-config python3:python3 "$@"; do
         command -v "${pair%%:*}" > /dev/null || echo "${pair#*:}"
     done
     for package in libembree-dev libopenimageio-dev libjansson-dev libcmocka-dev; do
@@ -15,9 +15,10 @@ setup_missing() {
     done
 }
 
+# setup_packages [PROGRAM[:PACKAGES]...]: installs what is missing of the usual packages and these.
 setup_packages() {
     command -v dpkg > /dev/null || return 0
-    missing=$(setup_missing | tr '\n' ' ')
+    missing=$(setup_missing "$@" | tr '\n' ' ')
     [ -n "$missing" ] || return 0
 
     root=

@@ -17,12 +17,14 @@
 
 static_assert(sizeof(trace_ray) == 32, "a record of a file of rays");
 static_assert(sizeof(world_hit) == 32, "a record of a file of hits");
-static_assert(sizeof(struct RTCRay) == 12 * 4 && sizeof(struct RTCRayHit16) == 20 * 16 * 4, "fields by number");
+static_assert(sizeof(struct RTCRay) == 12 * 4 && offsetof(struct RTCRayHit16, hit.instID) == 19 * 16 * 4 &&
+                  sizeof(struct RTCRayHit16) <= EP_RTC_RAYHIT_FIELDS * 16 * 4,
+              "fields by number");
 
 #define BLOCK_RAYS 131072 /* a multiple of every width */
 #define PACKETS_A_TURN 64 /* that a thread takes at once */
 
-enum { RAY_FIELDS = 12, RAYHIT_FIELDS = 20 };
+enum { RAY_FIELDS = 12, RAYHIT_FIELDS = EP_RTC_RAYHIT_FIELDS };
 
 /* Field f of lane k of a packet stands at [f * width + k]. */
 enum { ORG = 0, TNEAR = 3, DIR = 4, TIME = 7, TFAR = 8, MASK = 9, ID = 10, FLAGS = 11, GEOM_ID = 18, INST_ID = 19 };

@@ -65,7 +65,9 @@ static bool open_device(world *w, unsigned threads)
     snprintf(config, sizeof config, "threads=%u", threads);
     w->device = rtcNewDevice(config);
     if (!w->device) {
-        report_file(w->scene->path, "Embree makes no device (error %d)", (int)rtcGetDeviceError(NULL));
+        enum RTCError code = rtcGetDeviceError(NULL);
+        if (code == RTC_ERROR_OUT_OF_MEMORY) report_no_memory(w->scene->path);
+        else report_file(w->scene->path, "Embree makes no device (error %d)", (int)code);
         return false;
     }
     rtcSetDeviceErrorFunction(w->device, on_error, w->p);

@@ -15,23 +15,62 @@ typedef float w_f __attribute__((vector_size(32)));
 typedef __m256 w_m;
 typedef float f4 __attribute__((vector_size(16)));
 
-static inline w_f w_set(float x) { return _mm256_set1_ps(x); }
+static inline w_f w_set(float x)
+{
+    return _mm256_set1_ps(x);
+}
 static inline w_f w_load(const float *p, unsigned count)
 {
     return count < 8 ? _mm256_castps128_ps256(_mm_loadu_ps(p)) : _mm256_loadu_ps(p);
 }
-static inline w_f w_fma(w_f a, w_f b, w_f c) { return _mm256_fmadd_ps(a, b, c); }
-static inline w_f w_fnma(w_f a, w_f b, w_f c) { return _mm256_fnmadd_ps(a, b, c); }
-static inline w_m w_lt(w_f a, w_f b) { return _mm256_cmp_ps(a, b, _CMP_LT_OQ); }
-static inline w_m w_le(w_f a, w_f b) { return _mm256_cmp_ps(a, b, _CMP_LE_OQ); }
-static inline w_m w_and(w_m a, w_m b) { return _mm256_and_ps(a, b); }
-static inline w_m w_or(w_m a, w_m b) { return _mm256_or_ps(a, b); }
-static inline w_m w_andnot(w_m a, w_m b) { return _mm256_andnot_ps(b, a); }
-static inline w_f w_select(w_m m, w_f a, w_f b) { return _mm256_blendv_ps(b, a, m); }
-static inline w_f w_min(w_f a, w_f b) { return _mm256_min_ps(a, b); }
-static inline w_f w_max(w_f a, w_f b) { return _mm256_max_ps(a, b); }
-static inline w_f w_abs(w_f a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
-static inline uint32_t w_bits(w_m m) { return (uint32_t)_mm256_movemask_ps(m); }
+static inline w_f w_fma(w_f a, w_f b, w_f c)
+{
+    return _mm256_fmadd_ps(a, b, c);
+}
+static inline w_f w_fnma(w_f a, w_f b, w_f c)
+{
+    return _mm256_fnmadd_ps(a, b, c);
+}
+static inline w_m w_lt(w_f a, w_f b)
+{
+    return _mm256_cmp_ps(a, b, _CMP_LT_OQ);
+}
+static inline w_m w_le(w_f a, w_f b)
+{
+    return _mm256_cmp_ps(a, b, _CMP_LE_OQ);
+}
+static inline w_m w_and(w_m a, w_m b)
+{
+    return _mm256_and_ps(a, b);
+}
+static inline w_m w_or(w_m a, w_m b)
+{
+    return _mm256_or_ps(a, b);
+}
+static inline w_m w_andnot(w_m a, w_m b)
+{
+    return _mm256_andnot_ps(b, a);
+}
+static inline w_f w_select(w_m m, w_f a, w_f b)
+{
+    return _mm256_blendv_ps(b, a, m);
+}
+static inline w_f w_min(w_f a, w_f b)
+{
+    return _mm256_min_ps(a, b);
+}
+static inline w_f w_max(w_f a, w_f b)
+{
+    return _mm256_max_ps(a, b);
+}
+static inline w_f w_abs(w_f a)
+{
+    return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a);
+}
+static inline uint32_t w_bits(w_m m)
+{
+    return (uint32_t)_mm256_movemask_ps(m);
+}
 static inline w_m w_mask(uint32_t bits)
 {
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
@@ -42,40 +81,39 @@ static inline void w_store(float *p, uint32_t mask, w_f a)
     _mm256_maskstore_ps(p, _mm256_castps_si256(w_mask(mask)), a);
 }
 
-static inline void w_store_mask(int *p, uint32_t bits) { _mm256_storeu_ps((float *)p, w_mask(bits)); }
-static inline uint32_t w_load_mask(const int *p) { return w_bits(_mm256_loadu_ps((const float *)p)); }
-static inline uint32_t f4_load_mask(const int *p) { return (uint32_t)_mm_movemask_ps(_mm_loadu_ps((const float *)p)); }
+static inline void w_store_mask(int *p, uint32_t bits)
+{
+    _mm256_storeu_ps((float *)p, w_mask(bits));
+}
+static inline uint32_t w_load_mask(const int *p)
+{
+    return w_bits(_mm256_loadu_ps((const float *)p));
+}
+static inline uint32_t f4_load_mask(const int *p)
+{
+    return (uint32_t)_mm_movemask_ps(_mm_loadu_ps((const float *)p));
+}
 
-static inline f4 f4_set(float x) { return _mm_set1_ps(x); }
-static inline f4 f4_load3(const float *p) { return _mm_maskload_ps(p, _mm_setr_epi32(-1, -1, -1, 0)); }
-static inline f4 f4_fma(f4 a, f4 b, f4 c) { return _mm_fmadd_ps(a, b, c); }
-static inline f4 f4_fnma(f4 a, f4 b, f4 c) { return _mm_fnmadd_ps(a, b, c); }
-static inline f4 f4_abs(f4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
-#define f4_lane(a, k) _mm_shuffle_ps(a, a, (k) * 0x55)
-
-typedef struct q_f {
-    __m256 lo, hi;
-} q_f;
-static inline q_f q_mul(float s, const float *block)
+static inline f4 f4_set(float x)
 {
-    const __m256 b = _mm256_set1_ps(s);
-    return (q_f){ b * _mm256_load_ps(block), b * _mm256_load_ps(block + 8) };
+    return _mm_set1_ps(x);
 }
-static inline q_f q_fma(float s, const float *block, q_f c)
+static inline f4 f4_load(const float *p)
 {
-    const __m256 b = _mm256_set1_ps(s);
-    return (q_f){ _mm256_fmadd_ps(b, _mm256_load_ps(block), c.lo), _mm256_fmadd_ps(b, _mm256_load_ps(block + 8), c.hi) };
+    return _mm_loadu_ps(p);
 }
-static inline q_f q_scale(float s, q_f a)
+static inline f4 f4_fma(f4 a, f4 b, f4 c)
 {
-    const __m256 b = _mm256_set1_ps(s);
-    return (q_f){ b * a.lo, b * a.hi };
+    return _mm_fmadd_ps(a, b, c);
 }
-static inline q_f q_add_scaled(float s, q_f a, q_f c)
+static inline f4 f4_fnma(f4 a, f4 b, f4 c)
 {
-    const __m256 b = _mm256_set1_ps(s);
-    return (q_f){ _mm256_fmadd_ps(b, a.lo, c.lo), _mm256_fmadd_ps(b, a.hi, c.hi) };
+    return _mm_fnmadd_ps(a, b, c);
 }
-#define q_part(a, k) _mm256_extractf128_ps((k) < 2 ? (a).lo : (a).hi, (k) & 1)
+static inline f4 f4_abs(f4 a)
+{
+    return _mm_andnot_ps(_mm_set1_ps(-0.0f), a);
+}
+#define f4_lane(a, k) _mm_shuffle_ps(a, a, (k)*0x55)
 
 #endif

@@ -15,48 +15,104 @@ typedef float w_f __attribute__((vector_size(64)));
 typedef __mmask16 w_m;
 typedef float f4 __attribute__((vector_size(16)));
 
-static inline w_f w_set(float x) { return _mm512_set1_ps(x); }
+static inline w_f w_set(float x)
+{
+    return _mm512_set1_ps(x);
+}
 static inline w_f w_load(const float *p, unsigned count)
 {
     return count == 16 ? _mm512_loadu_ps(p) : _mm512_maskz_loadu_ps((__mmask16)((1u << count) - 1), p);
 }
-static inline void w_store(float *p, uint32_t mask, w_f a) { _mm512_mask_storeu_ps(p, (__mmask16)mask, a); }
-static inline w_f w_fma(w_f a, w_f b, w_f c) { return _mm512_fmadd_ps(a, b, c); }
-static inline w_f w_fnma(w_f a, w_f b, w_f c) { return _mm512_fnmadd_ps(a, b, c); }
-static inline w_m w_lt(w_f a, w_f b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
-static inline w_m w_le(w_f a, w_f b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
-static inline w_m w_and(w_m a, w_m b) { return a & b; }
-static inline w_m w_or(w_m a, w_m b) { return a | b; }
-static inline w_m w_andnot(w_m a, w_m b) { return a & (w_m)~b; }
-static inline w_f w_select(w_m m, w_f a, w_f b) { return _mm512_mask_blend_ps(m, b, a); }
-static inline w_f w_min(w_f a, w_f b) { return _mm512_min_ps(a, b); }
-static inline w_f w_max(w_f a, w_f b) { return _mm512_max_ps(a, b); }
-static inline w_f w_abs(w_f a) { return _mm512_abs_ps(a); }
-static inline uint32_t w_bits(w_m m) { return m; }
-static inline w_m w_mask(uint32_t bits) { return (w_m)bits; }
+static inline void w_store(float *p, uint32_t mask, w_f a)
+{
+    _mm512_mask_storeu_ps(p, (__mmask16)mask, a);
+}
+static inline w_f w_fma(w_f a, w_f b, w_f c)
+{
+    return _mm512_fmadd_ps(a, b, c);
+}
+static inline w_f w_fnma(w_f a, w_f b, w_f c)
+{
+    return _mm512_fnmadd_ps(a, b, c);
+}
+static inline w_m w_lt(w_f a, w_f b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
+}
+static inline w_m w_le(w_f a, w_f b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
+}
+static inline w_m w_and(w_m a, w_m b)
+{
+    return a & b;
+}
+static inline w_m w_or(w_m a, w_m b)
+{
+    return a | b;
+}
+static inline w_m w_andnot(w_m a, w_m b)
+{
+    return a & (w_m)~b;
+}
+static inline w_f w_select(w_m m, w_f a, w_f b)
+{
+    return _mm512_mask_blend_ps(m, b, a);
+}
+static inline w_f w_min(w_f a, w_f b)
+{
+    return _mm512_min_ps(a, b);
+}
+static inline w_f w_max(w_f a, w_f b)
+{
+    return _mm512_max_ps(a, b);
+}
+static inline w_f w_abs(w_f a)
+{
+    return _mm512_abs_ps(a);
+}
+static inline uint32_t w_bits(w_m m)
+{
+    return m;
+}
+static inline w_m w_mask(uint32_t bits)
+{
+    return (w_m)bits;
+}
 
 static inline void w_store_mask(int *p, uint32_t bits)
 {
     _mm512_storeu_si512(p, _mm512_movm_epi32((__mmask16)bits));
 }
-static inline uint32_t w_load_mask(const int *p) { return _mm512_movepi32_mask(_mm512_loadu_si512(p)); }
-static inline uint32_t f4_load_mask(const int *p) { return (uint32_t)_mm_movemask_ps(_mm_loadu_ps((const float *)p)); }
-
-static inline f4 f4_set(float x) { return _mm_set1_ps(x); }
-static inline f4 f4_load3(const float *p) { return _mm_maskz_loadu_ps(7, p); }
-static inline f4 f4_fma(f4 a, f4 b, f4 c) { return _mm_fmadd_ps(a, b, c); }
-static inline f4 f4_fnma(f4 a, f4 b, f4 c) { return _mm_fnmadd_ps(a, b, c); }
-static inline f4 f4_abs(f4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
-#define f4_lane(a, k) _mm_permute_ps(a, (k) * 0x55)
-
-typedef __m512 q_f;
-static inline q_f q_mul(float s, const float *block) { return _mm512_set1_ps(s) * _mm512_load_ps(block); }
-static inline q_f q_fma(float s, const float *block, q_f c)
+static inline uint32_t w_load_mask(const int *p)
 {
-    return _mm512_fmadd_ps(_mm512_set1_ps(s), _mm512_load_ps(block), c);
+    return _mm512_movepi32_mask(_mm512_loadu_si512(p));
 }
-static inline q_f q_scale(float s, q_f a) { return _mm512_set1_ps(s) * a; }
-static inline q_f q_add_scaled(float s, q_f a, q_f c) { return _mm512_fmadd_ps(_mm512_set1_ps(s), a, c); }
-#define q_part(a, k) _mm512_extractf32x4_ps(a, k)
+static inline uint32_t f4_load_mask(const int *p)
+{
+    return (uint32_t)_mm_movemask_ps(_mm_loadu_ps((const float *)p));
+}
+
+static inline f4 f4_set(float x)
+{
+    return _mm_set1_ps(x);
+}
+static inline f4 f4_load(const float *p)
+{
+    return _mm_loadu_ps(p);
+}
+static inline f4 f4_fma(f4 a, f4 b, f4 c)
+{
+    return _mm_fmadd_ps(a, b, c);
+}
+static inline f4 f4_fnma(f4 a, f4 b, f4 c)
+{
+    return _mm_fnmadd_ps(a, b, c);
+}
+static inline f4 f4_abs(f4 a)
+{
+    return _mm_andnot_ps(_mm_set1_ps(-0.0f), a);
+}
+#define f4_lane(a, k) _mm_permute_ps(a, (k)*0x55)
 
 #endif

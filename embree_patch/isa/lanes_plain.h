@@ -4,11 +4,10 @@
  *
  * The rounding contract of every lanes_*.h: a verb rounds once, to nearest even; fma(a, b, c) = ab + c and
  * fnma(a, b, c) = c - ab are fused; min and max return the second argument when an argument is NaN; comparisons with
- * NaN are false. Types and verbs come in three families:
+ * NaN are false. Types and verbs come in two families:
  *
  *   w_  EP_LANES lanes, one ray each; w_m is a mask
- *   f4  x, y, z, w of one point
- *   q_  16 floats: the four points of a block of the kernel net (patch.h)
+ *   f4  the coordinates of one point
  *
  * Arithmetic on w_f and f4 is written with operators (vector extensions of gcc and clang). lanes_scalar.h has the
  * family s_, one lane in an ordinary float. */
@@ -28,7 +27,10 @@ typedef int32_t i4 __attribute__((vector_size(16)));
 typedef f4 w_f;
 typedef i4 w_m;
 
-static inline w_f w_set(float x) { return (w_f){ x, x, x, x }; }
+static inline w_f w_set(float x)
+{
+    return (w_f){x, x, x, x};
+}
 static inline w_f w_load(const float *p, unsigned count)
 {
     w_f r;
@@ -43,22 +45,55 @@ static inline void w_store(float *p, uint32_t mask, w_f a)
 }
 static inline w_f w_fma(w_f a, w_f b, w_f c)
 {
-    return (w_f){ fmaf(a[0], b[0], c[0]), fmaf(a[1], b[1], c[1]), fmaf(a[2], b[2], c[2]), fmaf(a[3], b[3], c[3]) };
+    return (w_f){fmaf(a[0], b[0], c[0]), fmaf(a[1], b[1], c[1]), fmaf(a[2], b[2], c[2]), fmaf(a[3], b[3], c[3])};
 }
-static inline w_f w_fnma(w_f a, w_f b, w_f c) { return w_fma(-a, b, c); }
-static inline w_m w_lt(w_f a, w_f b) { return a < b; }
-static inline w_m w_le(w_f a, w_f b) { return a <= b; }
-static inline w_m w_and(w_m a, w_m b) { return a & b; }
-static inline w_m w_or(w_m a, w_m b) { return a | b; }
-static inline w_m w_andnot(w_m a, w_m b) { return a & ~b; }
-static inline w_f w_select(w_m m, w_f a, w_f b) { return (w_f)((m & (w_m)a) | (~m & (w_m)b)); }
-static inline w_f w_min(w_f a, w_f b) { return w_select(a < b, a, b); }
-static inline w_f w_max(w_f a, w_f b) { return w_select(a > b, a, b); }
-static inline w_f w_abs(w_f a) { return (w_f)((w_m)a & 0x7fffffff); }
-static inline uint32_t w_bits(w_m m) { return (m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8); }
+static inline w_f w_fnma(w_f a, w_f b, w_f c)
+{
+    return w_fma(-a, b, c);
+}
+static inline w_m w_lt(w_f a, w_f b)
+{
+    return a < b;
+}
+static inline w_m w_le(w_f a, w_f b)
+{
+    return a <= b;
+}
+static inline w_m w_and(w_m a, w_m b)
+{
+    return a & b;
+}
+static inline w_m w_or(w_m a, w_m b)
+{
+    return a | b;
+}
+static inline w_m w_andnot(w_m a, w_m b)
+{
+    return a & ~b;
+}
+static inline w_f w_select(w_m m, w_f a, w_f b)
+{
+    return (w_f)((m & (w_m)a) | (~m & (w_m)b));
+}
+static inline w_f w_min(w_f a, w_f b)
+{
+    return w_select(a < b, a, b);
+}
+static inline w_f w_max(w_f a, w_f b)
+{
+    return w_select(a > b, a, b);
+}
+static inline w_f w_abs(w_f a)
+{
+    return (w_f)((w_m)a & 0x7fffffff);
+}
+static inline uint32_t w_bits(w_m m)
+{
+    return (m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8);
+}
 static inline w_m w_mask(uint32_t bits)
 {
-    return (w_m){ -(int32_t)(bits & 1), -(int32_t)(bits >> 1 & 1), -(int32_t)(bits >> 2 & 1), -(int32_t)(bits >> 3 & 1) };
+    return (w_m){-(int32_t)(bits & 1), -(int32_t)(bits >> 1 & 1), -(int32_t)(bits >> 2 & 1), -(int32_t)(bits >> 3 & 1)};
 }
 
 /* Masks as Embree keeps them: ints, -1 or 0. w_store_mask may write up to EP_LANES of them. */
@@ -73,39 +108,31 @@ static inline uint32_t f4_load_mask(const int *p)
     memcpy(&m, p, sizeof m);
     return w_bits(m);
 }
-static inline uint32_t w_load_mask(const int *p) { return f4_load_mask(p); }
+static inline uint32_t w_load_mask(const int *p)
+{
+    return f4_load_mask(p);
+}
 
-static inline f4 f4_set(float x) { return w_set(x); }
-static inline f4 f4_load3(const float *p) { return (f4){ p[0], p[1], p[2], 0 }; }
-static inline f4 f4_fma(f4 a, f4 b, f4 c) { return w_fma(a, b, c); }
-static inline f4 f4_fnma(f4 a, f4 b, f4 c) { return w_fnma(a, b, c); }
-static inline f4 f4_abs(f4 a) { return w_abs(a); }
-#define f4_lane(a, k) ((f4){ (a)[k], (a)[k], (a)[k], (a)[k] })
-
-typedef struct q_f {
-    f4 p[4];
-} q_f;
-static inline q_f q_mul(float s, const float *block)
+static inline f4 f4_set(float x)
 {
-    q_f r;
-    for (int k = 0; k < 4; ++k) r.p[k] = s * w_load(block + 4 * k, 4);
-    return r;
+    return w_set(x);
 }
-static inline q_f q_fma(float s, const float *block, q_f c)
+static inline f4 f4_load(const float *p)
 {
-    for (int k = 0; k < 4; ++k) c.p[k] = w_fma(w_set(s), w_load(block + 4 * k, 4), c.p[k]);
-    return c;
+    return w_load(p, 4);
 }
-static inline q_f q_scale(float s, q_f a)
+static inline f4 f4_fma(f4 a, f4 b, f4 c)
 {
-    for (int k = 0; k < 4; ++k) a.p[k] = s * a.p[k];
-    return a;
+    return w_fma(a, b, c);
 }
-static inline q_f q_add_scaled(float s, q_f a, q_f c)
+static inline f4 f4_fnma(f4 a, f4 b, f4 c)
 {
-    for (int k = 0; k < 4; ++k) c.p[k] = w_fma(w_set(s), a.p[k], c.p[k]);
-    return c;
+    return w_fnma(a, b, c);
 }
-#define q_part(a, k) ((a).p[k])
+static inline f4 f4_abs(f4 a)
+{
+    return w_abs(a);
+}
+#define f4_lane(a, k) ((f4){(a)[k], (a)[k], (a)[k], (a)[k]})
 
 #endif

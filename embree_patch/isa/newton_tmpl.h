@@ -3,12 +3,26 @@
  * SPDX-License-Identifier: Apache-2.0
  *
  * Included twice per instruction set, with X(name) giving w_name (one ray a lane) and s_name (one ray): the packet and
- * the single-ray kernel share this text, and so their bits. */
+ * the single-ray kernel share this text, and so their bits. X(v) is what a series is evaluated in: one coordinate of
+ * all rays, or all coordinates of the one. */
 
 /* A hit is taken once its point is within this of where the tangents were evaluated, in leaf coordinates. The point is
  * then right to rounding; the tangents, carried over by the model's second derivatives, to 2^-8 of those' range. */
 #ifndef EP_NEAR
 #define EP_NEAR 0x1p-7f
+#endif
+
+/* ... and once what is left is certain to be below its rounding error, or below this many times that of a ray that
+ * meets the leaf squarely. The bound is a worst case, some ten times what really is left. */
+#ifndef EP_ACCEPT
+#define EP_ACCEPT 16.0f
+#endif
+
+/* A root that rounding may have displaced by more than EP_FLAT along a leaf, where the ray is nearly tangent, is found
+ * again in double; and so is one that may be farther than EP_SHARP on either side of the leaf's border. */
+#ifndef EP_FLAT
+#define EP_FLAT 0x1p-15f
+#define EP_SHARP 0x1p-18f
 #endif
 
 #ifndef EP_INLINE
@@ -20,6 +34,12 @@
 #define EP_STEEP 0x1p12f
 #endif
 
+/* The domain in leaf coordinates: |s|, |t| <= 1/2, or s, t >= -1/3 and s + t <= 1/3. */
+#ifndef EP_HALF
+#define EP_HALF 0.5f
+#define EP_THIRD (1.0f / 3)
+#endif
+
 /* Vectors of three, one component a register. */
 typedef struct X(3) {
     X(f) x, y, z;
@@ -27,188 +47,219 @@ typedef struct X(3) {
 
 /* What is known of a ray once it has entered a leaf. */
 typedef struct X(visit) {
-    X(f) p_s, p_t;      /* leaf.h: motion along the leaf per unit of height */
-    X(f) inverse;       /* 1 / (direction's height)                         */
-    X(f) t_plane;       /* where the ray meets the leaf's plane             */
-    X(f) plane_s, plane_t;         /* where it does                           */
-    X(f) rounding_st, rounding_h;  /* of that                                 */
-    X(f) s, t;          /* where to evaluate next                           */
-    X(f) radius;        /* all roots are within this of it                  */
-    X(m) live;          /* neither certified to miss nor slow               */
+    X(f) p_s, p_t;          /* leaf.h: motion along the leaf per unit of height            */
+    X(f) inverse;           /* 1 / (direction's height)                                    */
+    X(f) t_plane;           /* where the ray meets the leaf's plane, and is moved to       */
+    X(f) way;               /* |t| |d| in the sum norm on its way through the prism        */
+    X(3) o;                 /* the moved origin                                            */
+    X(f) noise_st, noise_h; /* rounding of F                                           */
+    X(f) s, t;              /* where to evaluate next                                      */
+    X(f) radius;            /* all roots are within this of it                             */
+    X(m) live;              /* neither certified to miss nor slow                          */
     X(m) slow;
 } X(visit);
 
-/* The surface at (s, t), in leaf coordinates: S - o', and its derivatives in the leaf's own parameters. */
+/* The surface at (s, t), in leaf coordinates: S - o, and its derivatives. */
 typedef struct X(jet) {
     X(3) at, ds, dt;
 } X(jet);
 
 typedef struct X(step) {
-    X(f) s, t, step_s, step_t, length; /* the improved Newton point, and the way there */
-    X(f) curve;                        /* what the model bends over that way          */
-    X(f) noise, bound, radius;         /* where the roots are about it                */
-    X(m) unique, miss, shrinks, hit;
-    X(f) distance;                     /* the root's t relative to the moved origin   */
+    X(f) s, t, step_s, step_t; /* the improved Newton point, and the way there */
+    X(f) radius;               /* the roots are within this of it              */
+    X(f) distance;             /* the root's t relative to the moved origin    */
+    X(m) hit, vague;           /* vague: float says that there is one, double has to say where */
 } X(step);
 
-/* Magnitudes of J^-1 and of q = J^-1 p. */
-typedef struct X(inverse) {
-    X(f) ss, st, ts, tt, q_s, q_t;
-} X(inverse);
-
 /* The nearest point of the domain, or close to it. */
-EP_INLINE void X(clamp)(int triangle, X(f) *s, X(f) *t)
+EP_INLINE void X(clamp)(int triangle, X(f) * s, X(f) * t)
 {
-    const X(f) zero = X(set)(0.0f), one = X(set)(1.0f);
-    *s = X(max)(*s, zero);
-    *t = X(max)(*t, zero);
+    const X(f) low = X(set)(triangle ? -EP_THIRD : -EP_HALF), high = X(set)(triangle ? 2 * EP_THIRD : EP_HALF);
+    *s = X(max)(*s, low);
+    *t = X(max)(*t, low);
     if (triangle) {
-        const X(f) excess = X(max)((*s + *t) - one, zero) * X(set)(0.5f);
-        *s = X(min)(X(max)(*s - excess, zero), one);
-        *t = X(min)(X(max)(*t - excess, zero), one - *s);
+        const X(f) third = X(set)(EP_THIRD);
+        const X(f) excess = X(max)((*s + *t) - third, X(set)(0.0f)) * X(set)(0.5f);
+        *s = X(min)(X(max)(*s - excess, low), high);
+        *t = X(min)(X(max)(*t - excess, low), third - *s);
     } else {
-        *s = X(min)(*s, one);
-        *t = X(min)(*t, one);
+        *s = X(min)(*s, high);
+        *t = X(min)(*t, high);
     }
 }
 
-/* max over the rows of |J^-1| (c_s, c_t)^T + |q| c_h. */
-EP_INLINE X(f) X(spread)(const X(inverse) *i, const float c[3])
+/* How far outside the domain; negative inside. */
+EP_INLINE X(f) X(outside)(int triangle, X(f) s, X(f) t)
 {
-    const X(f) c_s = X(set)(c[0]), c_t = X(set)(c[1]), c_h = X(set)(c[2]);
-    return X(max)(X(fma)(i->q_s, c_h, X(fma)(i->ss, c_s, i->st * c_t)),
-                  X(fma)(i->q_t, c_h, X(fma)(i->ts, c_s, i->tt * c_t)));
+    if (!triangle) return X(max)(X(abs)(s), X(abs)(t)) - X(set)(EP_HALF);
+    return X(max)(X(max)(-s, -t), s + t) - X(set)(EP_THIRD);
 }
 
-/* The improved Newton point c' of (v->s, v->t), whose jet is `j`, and what follows from it when F is known to within
- * `noise_st` in its rows and `noise_h` in the height, and DF changes by `warp` beyond the model's second derivatives. */
-EP_INLINE X(step) X(newton)(const ep_leaf *leaf, const X(visit) *v, int triangle, const X(jet) *j, X(f) noise_st,
-                            X(f) noise_h, const float warp[3])
+/* Point and derivatives of a polynomial, row by row in s, then in t; derivatives by the same scheme. */
+EP_INLINE void X(series)(const float *net, int stride, int triangle, unsigned m, unsigned n, X(v) s, X(v) t, X(v) * f,
+                         X(v) * fs, X(v) * ft)
 {
-    X(step) r;
-    const X(f) one = X(set)(1.0f), half = X(set)(0.5f);
+    const float *row = net + (size_t)stride * (triangle ? (n + 1) * (n + 2) / 2 : (m + 1) * (n + 1));
+    X(v) value = X(v_load)(net), ds = value, dt = value;
+    for (unsigned j = n + 1; j-- > 0;) {
+        const unsigned count = triangle ? n - j : m;
+        row -= (size_t)stride * (count + 1);
+        X(v) a = X(v_load)(row + (size_t)stride * count), as = a;
+        if (count > 0) a = X(v_fma)(a, s, X(v_load)(row + (size_t)stride * (count - 1)));
+        for (unsigned i = count - 1; count > 1 && i-- > 0;) {
+            as = X(v_fma)(as, s, a);
+            a = X(v_fma)(a, s, X(v_load)(row + (size_t)stride * i));
+        }
+        if (j == n) {
+            value = a;
+        } else {
+            dt = j == n - 1 ? value : X(v_fma)(dt, t, value);
+            value = X(v_fma)(value, t, a);
+        }
+        if (count > 0) ds = j + (triangle ? 1u : 0u) == n ? as : X(v_fma)(ds, t, as);
+    }
+    *f = value;
+    *fs = ds;
+    *ft = dt;
+}
+
+/* A Newton step: its Jacobian, the way to c, and the magnitudes of J^-1 and q = J^-1 p. */
+typedef struct X(linear) {
+    X(f) ss, st, ts, tt, inverse, c_s, c_t, i, q; /* c - y */
+} X(linear);
+
+EP_INLINE X(linear) X(solve)(const X(visit) * v, const X(jet) * j)
+{
+    X(linear) l;
     const X(f) f_s = X(fnma)(v->p_s, j->at.z, j->at.x), f_t = X(fnma)(v->p_t, j->at.z, j->at.y);
-    const X(f) ss = X(fnma)(v->p_s, j->ds.z, j->ds.x), st = X(fnma)(v->p_s, j->dt.z, j->dt.x);
-    const X(f) ts = X(fnma)(v->p_t, j->ds.z, j->ds.y), tt = X(fnma)(v->p_t, j->dt.z, j->dt.y);
-    const X(f) inverse = one / X(fnma)(st, ts, ss * tt);
-    const X(f) c_s = X(fnma)(tt, f_s, st * f_t) * inverse, c_t = X(fnma)(ss, f_t, ts * f_s) * inverse;
-
-    const X(f) half_ss = half * (c_s * c_s), both = c_s * c_t, half_tt = half * (c_t * c_t);
-    X(f) curve[3];
-    for (int c = 0; c < 3; ++c)
-        curve[c] = X(fma)(X(set)(leaf->model[3][c]), half_tt,
-                          X(fma)(X(set)(leaf->model[2][c]), both, X(set)(leaf->model[1][c]) * half_ss));
-    const X(f) v_s = X(fnma)(v->p_s, curve[2], curve[0]), v_t = X(fnma)(v->p_t, curve[2], curve[1]);
-    r.curve = curve[2];
-    r.step_s = X(fma)(X(fnma)(tt, v_s, st * v_t), inverse, c_s);
-    r.step_t = X(fma)(X(fnma)(ss, v_t, ts * v_s), inverse, c_t);
-    r.s = v->s + r.step_s;
-    r.t = v->t + r.step_t;
-
-    const X(f) size = X(abs)(inverse);
-    const X(inverse) i = { X(abs)(tt) * size, X(abs)(st) * size, X(abs)(ts) * size, X(abs)(ss) * size,
-                           X(abs)(X(fnma)(st, v->p_t, tt * v->p_s)) * size,
-                           X(abs)(X(fnma)(ts, v->p_s, ss * v->p_t)) * size };
-    r.noise = X(max)(X(fma)(i.q_s, noise_h, (i.ss + i.st) * noise_st), X(fma)(i.q_t, noise_h, (i.ts + i.tt) * noise_st));
-    r.length = X(max)(X(abs)(c_s), X(abs)(c_t));
-    const X(f) bend = X(spread)(&i, leaf->bend), way = r.length + r.noise, turn = bend * v->radius;
-    r.unique = X(le)(turn, one);
-    const X(f) e = X(select)(r.unique, X(min)(v->radius, X(fma)(turn, way, way)), v->radius), ge = bend * e;
-    r.bound = half * e * X(fma)(ge, ge, X(spread)(&i, warp) * e);
-    const X(f) outside = triangle ? X(max)(X(max)(-r.s, -r.t), (r.s + r.t) - one)
-                                  : X(max)(X(max)(-r.s, -r.t), X(max)(r.s, r.t) - one);
-    const X(f) margin = X(fma)(X(set)(4.0f), r.noise, r.bound);
-    /* errors add up in s + t, and in clamping to the triangle */
-    r.radius = triangle ? margin + margin : margin;
-    /* no root in D, or none in the neighbourhood */
-    r.miss = X(or)(X(lt)(r.radius, outside),
-                   X(lt)(v->radius + margin, X(max)(X(abs)(r.step_s), X(abs)(r.step_t))));
-    r.shrinks = X(lt)(r.radius, X(set)(0.75f) * v->radius);
-    return r;
+    l.ss = X(fnma)(v->p_s, j->ds.z, j->ds.x);
+    l.st = X(fnma)(v->p_s, j->dt.z, j->dt.x);
+    l.ts = X(fnma)(v->p_t, j->ds.z, j->ds.y);
+    l.tt = X(fnma)(v->p_t, j->dt.z, j->dt.y);
+    l.inverse = X(set)(1.0f) / X(fnma)(l.st, l.ts, l.ss * l.tt);
+    l.c_s = X(fnma)(l.tt, f_s, l.st * f_t) * l.inverse;
+    l.c_t = X(fnma)(l.ss, f_t, l.ts * f_s) * l.inverse;
+    const X(f) size = X(abs)(l.inverse);
+    l.i = X(max)(X(abs)(l.tt) + X(abs)(l.st), X(abs)(l.ts) + X(abs)(l.ss)) * size;
+    l.q = X(max)(X(abs)(X(fnma)(l.st, v->p_t, l.tt * v->p_s)), X(abs)(X(fnma)(l.ts, v->p_s, l.ss * v->p_t))) * size;
+    return l;
 }
 
-/* From the plane's start to the zero of the leaf's quadratic model, where that is certain to be nearer. */
-EP_INLINE void X(start)(const ep_leaf *leaf, X(visit) *v, int triangle)
+/* |J^-1| st + |q| h */
+EP_INLINE X(f) X(spread)(const X(linear) * l, X(f) st, X(f) h)
 {
-    const X(f) ds = v->s - X(set)(triangle ? 1.0f / 3 : 0.5f), dt = v->t - X(set)(triangle ? 1.0f / 3 : 0.5f);
-    const X(f) half_ss = X(set)(0.5f) * (ds * ds), both = ds * dt, half_tt = X(set)(0.5f) * (dt * dt);
-    X(f) at[3], s[3], t[3];
-    for (int c = 0; c < 3; ++c) {
-        const X(f) ss = X(set)(leaf->model[1][c]), st = X(set)(leaf->model[2][c]), tt = X(set)(leaf->model[3][c]);
-        at[c] = X(fma)(tt, half_tt, X(fma)(st, both, X(fma)(ss, half_ss, X(set)(leaf->model[0][c]))));
-        s[c] = X(fma)(st, dt, ss * ds);
-        t[c] = X(fma)(tt, dt, st * ds);
-    }
-    static const float exact[3] = { 0, 0, 0 };
-    const X(f) one = X(set)(1.0f);
-    const X(jet) j = { { at[0] + (v->s - v->plane_s), at[1] + (v->t - v->plane_t), at[2] },
-                       { s[0] + one, s[1], s[2] },
-                       { t[0], t[1] + one, t[2] } };
-    const X(step) r = X(newton)(leaf, v, triangle, &j, X(set)(leaf->model_st) + v->rounding_st,
-                                X(set)(leaf->model_h) + v->rounding_h, exact);
-    X(f) to_s = r.s, to_t = r.t;
-    X(clamp)(triangle, &to_s, &to_t);
-    v->live = X(andnot)(v->live, r.miss);
-    v->s = X(select)(r.shrinks, to_s, v->s);
-    v->t = X(select)(r.shrinks, to_t, v->t);
-    v->radius = X(select)(r.shrinks, r.radius, v->radius);
+    return X(fma)(l->q, h, l->i * st);
 }
 
-/* `o`, `d`: origin relative to the patch's centre (rounded) and direction, in leaf coordinates (o with, d without the
- * frame's offset). `o_sum`, `d_sum`: their sum norms in space. */
-EP_INLINE X(visit) X(enter)(const ep_leaf *leaf, int triangle, X(3) o, X(3) d, X(f) o_sum, X(f) d_sum, X(f) tnear,
-                                X(f) tfar, X(m) active)
+/* `o`, `d`: origin relative to the leaf's centre (rounded) and direction, in leaf coordinates; `d_sum`: the
+ * direction's sum norm in space. Most rays that only touch the leaf's box end here. */
+EP_INLINE X(visit)
+    X(enter)(const ep_leaf *leaf, int triangle, X(3) o, X(3) d, X(f) d_sum, X(f) tnear, X(f) tfar, X(m) active)
 {
     X(visit) v;
-    const X(f) zero = X(set)(0.0f), one = X(set)(1.0f);
-    v.inverse = one / d.z;
+    const X(f) edge = X(set)(triangle ? EP_THIRD : EP_HALF);
+    v.inverse = X(set)(1.0f) / d.z;
     v.t_plane = -o.z * v.inverse;
     v.p_s = d.x * v.inverse;
     v.p_t = d.y * v.inverse;
-    v.s = v.plane_s = X(fma)(v.t_plane, d.x, o.x);
-    v.t = v.plane_t = X(fma)(v.t_plane, d.y, o.y);
+    const X(f) s = X(fma)(v.t_plane, d.x, o.x), t = X(fma)(v.t_plane, d.y, o.y);
 
     /* the prism, and what rounding adds to it: a root is within reach_s, reach_t of (s, t) */
-    const X(f) scale = X(fma)(X(abs)(v.t_plane), d_sum, o_sum);
-    v.rounding_st = X(set)(leaf->reach_st) * scale;
-    v.rounding_h = X(set)(leaf->reach_h) * scale;
-    const X(f) height = X(set)(leaf->height) + v.rounding_h;
-    const X(f) p_s = X(abs)(v.p_s), p_t = X(abs)(v.p_t), p = X(max)(p_s, p_t);
-    const X(f) reach_s = X(fma)(p_s, height, X(set)(leaf->side_s) + v.rounding_st);
-    const X(f) reach_t = X(fma)(p_t, height, X(set)(leaf->side_t) + v.rounding_st);
+    const X(f) far = X(abs)(v.t_plane) * d_sum;
+    const X(f) side = X(fma)(X(set)(leaf->reach_st), far, X(set)(leaf->side));
+    const X(f) height = X(fma)(X(set)(leaf->reach_h), far, X(set)(leaf->height));
+    const X(f) p_s = X(abs)(v.p_s), p_t = X(abs)(v.p_t);
+    const X(f) reach_s = X(fma)(p_s, height, side), reach_t = X(fma)(p_t, height, side);
     const X(f) reach = X(abs)(v.inverse) * height;
-    X(m) out = X(or)(X(lt)(v.s + reach_s, zero), X(lt)(v.t + reach_t, zero));
-    if (triangle) {
-        out = X(or)(out, X(lt)(one + (reach_s + reach_t), v.s + v.t));
-    } else {
-        out = X(or)(out, X(lt)(one + reach_s, v.s));
-        out = X(or)(out, X(lt)(one + reach_t, v.t));
-    }
-    out = X(or)(out, X(lt)(tfar, v.t_plane - reach));
-    out = X(or)(out, X(lt)(v.t_plane + reach, tnear));
+    X(m) out;
+    if (triangle)
+        out = X(or)(X(or)(X(lt)(edge + reach_s, -s), X(lt)(edge + reach_t, -t)),
+                    X(lt)(edge + (reach_s + reach_t), s + t));
+    else out = X(or)(X(lt)(edge + reach_s, X(abs)(s)), X(lt)(edge + reach_t, X(abs)(t)));
+    out = X(or)(out, X(or)(X(lt)(tfar, v.t_plane - reach), X(lt)(v.t_plane + reach, tnear)));
     const X(m) in = X(andnot)(active, out); /* a NaN is never out */
 
     /* Clamping to a rectangle never moves away from a point in it; to the triangle, by at most as much again. */
-    v.radius = X(min)(X(set)(triangle ? 2.0f : 1.0f) * X(max)(reach_s, reach_t), one);
-
-    v.live = X(and)(in, X(lt)(p, X(set)(EP_STEEP)));
+    v.radius = X(min)(X(set)(triangle ? 2.0f : 1.0f) * X(max)(reach_s, reach_t), X(set)(1.0f));
+    v.way = d_sum * reach;
+    v.live = X(and)(in, X(lt)(X(max)(p_s, p_t), X(set)(EP_STEEP)));
     v.slow = X(andnot)(in, v.live);
-    X(clamp)(triangle, &v.s, &v.t);
-    X(start)(leaf, &v, triangle);
     return v;
 }
 
-/* One step with the surface's own jet. Lanes that it decides leave v->live; `hit` are those with a root, at (s, t) and
- * `distance` along the ray from the moved origin. */
-EP_INLINE X(step) X(advance)(const ep_leaf *leaf, X(visit) *v, int triangle, const X(jet) *j)
+/* The origin moved to the plane, in leaf coordinates, is where iteration starts: with a Newton step on the leaf's
+ * model, whose error stands in for rounding. M's rounding of the direction counts over the way through the prism. */
+EP_INLINE void X(start)(const ep_leaf *leaf, X(visit) * v, int triangle, X(3) o)
 {
-    X(step) r = X(newton)(leaf, v, triangle, j, X(set)(leaf->noise_st), X(set)(leaf->noise_h), leaf->warp);
-    const X(m) done = X(and)(X(and)(X(le)(r.length, X(set)(EP_NEAR)), X(le)(r.bound, r.noise)), r.unique);
-    r.distance = (X(fma)(j->dt.z, r.step_t, X(fma)(j->ds.z, r.step_s, j->at.z)) + r.curve) * v->inverse;
-    r.hit = X(andnot)(X(and)(v->live, done), r.miss);
-    v->live = X(andnot)(v->live, X(or)(r.miss, done));
-    v->slow = X(or)(v->slow, X(andnot)(v->live, r.shrinks));
-    v->live = X(and)(v->live, r.shrinks);
+    v->o = o;
+    v->noise_st = X(fma)(X(set)(leaf->reach_st), v->way, X(set)(leaf->noise_st));
+    v->noise_h = X(fma)(X(set)(leaf->reach_h), v->way, X(set)(leaf->noise_h));
+    X(f) s = o.x, t = o.y;
+    X(clamp)(triangle, &s, &t);
+
+    X(f) at[3], ds[3], dt[3];
+    for (int c = 0; c < 3; ++c) {
+        const X(f) ss = X(set)(leaf->second[0][c]), st = X(set)(leaf->second[1][c]), tt = X(set)(leaf->second[2][c]);
+        ds[c] = X(fma)(st, t, ss * s);
+        dt[c] = X(fma)(tt, t, st * s);
+        at[c] = X(fma)(dt[c], t, ds[c] * s) * X(set)(0.5f);
+    }
+    const X(f) one = X(set)(1.0f);
+    const X(jet) j = {{at[0] + (s - o.x), at[1] + (t - o.y), at[2] + (X(set)(leaf->middle) - o.z)},
+                      {ds[0] + one, ds[1], ds[2]},
+                      {dt[0], dt[1] + one, dt[2]}};
+    const X(linear) l = X(solve)(v, &j);
+    v->s = s + l.c_s;
+    v->t = t + l.c_t;
+    X(clamp)(triangle, &v->s, &v->t);
+    const X(f) error = X(spread)(&l, X(set)(leaf->model_st) + v->noise_st, X(set)(leaf->model_h) + v->noise_h);
+    const X(f) bend = X(spread)(&l, X(set)(leaf->bend_st), X(set)(leaf->bend_h));
+    const X(f) bound = X(fma)(X(set)(0.5f) * bend, v->radius * v->radius, error);
+    v->radius = X(min)(triangle ? bound + bound : bound, v->radius + X(max)(X(abs)(v->s - s), X(abs)(v->t - t)));
+}
+
+/* The surface's own jet, and with it the improved Newton point c' and what follows from it. Lanes that it decides leave
+ * v->live; `hit` are those with a root, at (s, t) and `distance` along the ray from the moved origin. */
+EP_INLINE X(step) X(advance)(const ep_leaf *leaf, X(visit) * v, int triangle, const X(jet) * j)
+{
+    X(step) r;
+    const X(f) one = X(set)(1.0f), half = X(set)(0.5f);
+    const X(linear) l = X(solve)(v, j);
+    const X(f) half_ss = half * (l.c_s * l.c_s), both = l.c_s * l.c_t, half_tt = half * (l.c_t * l.c_t);
+    X(f) curve[3];
+    for (int c = 0; c < 3; ++c)
+        curve[c] = X(fma)(X(set)(leaf->second[2][c]), half_tt,
+                          X(fma)(X(set)(leaf->second[1][c]), both, X(set)(leaf->second[0][c]) * half_ss));
+    const X(f) v_s = X(fnma)(v->p_s, curve[2], curve[0]), v_t = X(fnma)(v->p_t, curve[2], curve[1]);
+    r.step_s = X(fma)(X(fnma)(l.tt, v_s, l.st * v_t), l.inverse, l.c_s);
+    r.step_t = X(fma)(X(fnma)(l.ss, v_t, l.ts * v_s), l.inverse, l.c_t);
+    r.s = v->s + r.step_s;
+    r.t = v->t + r.step_t;
+    r.distance = (X(fma)(j->dt.z, r.step_t, X(fma)(j->ds.z, r.step_s, j->at.z)) + curve[2]) * v->inverse;
+
+    const X(f) bend = X(spread)(&l, X(set)(leaf->bend_st), X(set)(leaf->bend_h));
+    const X(f) warp = X(spread)(&l, X(set)(leaf->warp_st), X(set)(leaf->warp_h));
+    const X(f) noise = X(spread)(&l, v->noise_st, v->noise_h);
+    const X(f) length = X(max)(X(abs)(l.c_s), X(abs)(l.c_t));
+    const X(f) way = length + noise, turn = bend * v->radius;
+    const X(m) unique = X(le)(turn, one);
+    const X(f) e = X(select)(unique, X(min)(v->radius, X(fma)(turn, way, way)), v->radius), ge = bend * e;
+    const X(f) bound = half * e * X(fma)(ge * ge, X(fma)(X(set)(0.25f), ge, one), warp * e);
+    const X(f) margin = noise + bound, outside = X(outside)(triangle, r.s, r.t);
+    /* errors add up in s + t, and in clamping to the triangle */
+    r.radius = triangle ? margin + margin : margin;
+    /* no root in D, or none in the neighbourhood */
+    const X(m) miss =
+        X(or)(X(lt)(r.radius, outside), X(lt)(v->radius + margin, X(max)(X(abs)(r.step_s), X(abs)(r.step_t))));
+    const X(m) near = X(le)(bound, X(max)(noise, X(set)(EP_ACCEPT * leaf->noise_st)));
+    const X(m) done = X(and)(X(and)(X(le)(length, X(set)(EP_NEAR)), near), unique);
+    r.vague =
+        X(or)(X(lt)(X(set)(EP_FLAT), noise), X(and)(X(lt)(X(set)(EP_SHARP), r.radius), X(le)(-outside, r.radius)));
+    const X(m) shrinks = X(lt)(r.radius, X(set)(0.75f) * v->radius);
+    r.hit = X(andnot)(X(and)(v->live, done), miss);
+    v->live = X(andnot)(v->live, X(or)(miss, done));
+    v->slow = X(or)(v->slow, X(andnot)(v->live, shrinks));
+    v->live = X(and)(v->live, shrinks);
     v->radius = r.radius;
     v->s = r.s;
     v->t = r.t;
@@ -216,13 +267,25 @@ EP_INLINE X(step) X(advance)(const ep_leaf *leaf, X(visit) *v, int triangle, con
     return r;
 }
 
-/* Ng at the Newton point: the tangents' change over the step comes from the model's second derivatives. */
-EP_INLINE void X(normal)(const ep_leaf *leaf, const X(jet) *j, const X(step) *r, X(f) ng[3])
+/* The patch's parameters at (s, t) of a leaf. */
+EP_INLINE void X(parameters)(const ep_leaf *leaf, int triangle, X(f) s, X(f) t, X(f) * u, X(f) * v)
 {
-    const X(f) jds[3] = { j->ds.x, j->ds.y, j->ds.z }, jdt[3] = { j->dt.x, j->dt.y, j->dt.z };
+    const float *d = leaf->domain;
+    const X(f) edge = X(set)(triangle ? EP_THIRD : EP_HALF), zero = X(set)(0.0f), one = X(set)(1.0f);
+    const X(f) x = s + edge, y = t + edge;
+    *u = X(fma)(x, X(set)(d[2]), triangle ? X(fma)(y, X(set)(d[4]), X(set)(d[0])) : X(set)(d[0]));
+    *v = X(fma)(y, X(set)(d[3]), triangle ? X(fma)(x, X(set)(d[5]), X(set)(d[1])) : X(set)(d[1]));
+    *u = X(min)(X(max)(*u, zero), one);
+    *v = X(min)(X(max)(*v, zero), triangle ? one - *u : one);
+}
+
+/* Ng at the Newton point: the tangents' change over the step comes from the model's second derivatives. */
+EP_INLINE void X(normal)(const ep_leaf *leaf, const X(jet) * j, const X(step) * r, X(f) ng[3])
+{
+    const X(f) jds[3] = {j->ds.x, j->ds.y, j->ds.z}, jdt[3] = {j->dt.x, j->dt.y, j->dt.z};
     X(f) a[3], b[3], n[3];
     for (int c = 0; c < 3; ++c) {
-        const X(f) ss = X(set)(leaf->model[1][c]), st = X(set)(leaf->model[2][c]), tt = X(set)(leaf->model[3][c]);
+        const X(f) ss = X(set)(leaf->second[0][c]), st = X(set)(leaf->second[1][c]), tt = X(set)(leaf->second[2][c]);
         a[c] = X(fma)(st, r->step_t, X(fma)(ss, r->step_s, jds[c]));
         b[c] = X(fma)(tt, r->step_t, X(fma)(st, r->step_s, jdt[c]));
     }
@@ -233,20 +296,4 @@ EP_INLINE void X(normal)(const ep_leaf *leaf, const X(jet) *j, const X(step) *r,
     for (int c = 0; c < 3; ++c)
         ng[c] = X(fma)(X(set)(leaf->frame[c][2]), n[2],
                        X(fma)(X(set)(leaf->frame[c][1]), n[1], X(set)(leaf->frame[c][0]) * n[0]));
-}
-
-/* Bernstein polynomials of degree n at t: binomial * ((1-t)^(n-i) * t^i). */
-EP_INLINE void X(bernstein)(unsigned n, X(f) t, X(f) complement, X(f) *b)
-{
-    X(f) ps[EP_MAX_DEGREE + 1], pt[EP_MAX_DEGREE + 1];
-    ps[0] = pt[0] = X(set)(1.0f);
-    for (unsigned i = 1; i <= n; ++i) {
-        ps[i] = ps[i - 1] * complement;
-        pt[i] = pt[i - 1] * t;
-    }
-    float binomial = 1;
-    for (unsigned i = 0; i <= n; ++i) {
-        b[i] = X(set)(binomial) * (ps[n - i] * pt[i]);
-        binomial = binomial * (float)(n - i) / (float)(i + 1);
-    }
 }

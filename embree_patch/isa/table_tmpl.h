@@ -7,6 +7,14 @@
 #include "embree_patch/isa/lanes_scalar.h"
 #include "embree_patch/kernels.h"
 
+/* newton_tmpl.h evaluates series in w_f, a coordinate at a time, or in f4, all at once. */
+typedef w_f w_v;
+typedef f4 s_v;
+#define w_v_load(p) w_set(*(p))
+#define s_v_load(p) f4_load(p)
+#define w_v_fma w_fma
+#define s_v_fma f4_fma
+
 #define X(name) w_##name
 #include "embree_patch/isa/newton_tmpl.h"
 #undef X
@@ -17,31 +25,31 @@
 #include "embree_patch/isa/single_tmpl.h"
 #include "embree_patch/isa/cells_tmpl.h"
 
-/* The three kernels of a shape; `m` and `n` may read the patch. */
-#define EP_SHAPE(name, triangle, m, n, rational)                                                                        \
-    static ep_outcome packet_##name(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned rays,       \
+/* The three kernels of a shape; `m` and `n` may read the leaf. */
+#define EP_SHAPE(name, triangle, m, n, rational)                                                                       \
+    static ep_outcome packet_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,            \
                                     uint32_t active, float *t, float *hit, EPCounters *counters)                       \
     {                                                                                                                  \
-        return w_packet(leaf, patch, ray, rays, active, t, hit, counters, triangle, m, n, rational);                   \
+        return w_packet(leaf, net, ray, rays, active, t, hit, counters, triangle, m, n, rational);                     \
     }                                                                                                                  \
-    static ep_outcome single_##name(const ep_leaf *leaf, const ep_patch *patch, const float *ray, unsigned rays,       \
+    static ep_outcome single_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,            \
                                     uint32_t active, float *t, float *hit, EPCounters *counters)                       \
     {                                                                                                                  \
         (void)rays, (void)active;                                                                                      \
-        return s_single(leaf, patch, ray, t, hit, counters, triangle, m, n, rational);                                 \
+        return s_single(leaf, net, ray, t, hit, counters, triangle, m, n, rational);                                   \
     }                                                                                                                  \
-    static void cells_##name(const ep_leaf *leaf, const ep_patch *patch, const float *ray, double lo, double hi,       \
+    static void cells_##name(const ep_leaf *leaf, const float *net, const float *ray, double lo, double hi,            \
                              ep_cells *out)                                                                            \
     {                                                                                                                  \
-        w_cells(leaf, patch, ray, lo, hi, out, triangle, m, n, rational);                                              \
+        w_cells(leaf, net, ray, lo, hi, out, triangle, m, n, rational);                                                \
     }
 
 #if EP_ANY_DEGREE
-#define EP_DEGREES(name, triangle, rational) EP_SHAPE(name##_any, triangle, patch->degree_u, patch->degree_v, rational)
+#define EP_DEGREES(name, triangle, rational) EP_SHAPE(name##_any, triangle, leaf->degree_s, leaf->degree_t, rational)
 #define EP_ROW(p, name) p##_##name##_any, p##_##name##_any, p##_##name##_any, p##_##name##_any, p##_##name##_any
 #else
 #define EP_DEGREES(name, triangle, rational)                                                                           \
-    EP_SHAPE(name##_any, triangle, patch->degree_u, patch->degree_v, rational)                                         \
+    EP_SHAPE(name##_any, triangle, leaf->degree_s, leaf->degree_t, rational)                                           \
     EP_SHAPE(name##_1, triangle, 1, 1, rational)                                                                       \
     EP_SHAPE(name##_2, triangle, 2, 2, rational)                                                                       \
     EP_SHAPE(name##_3, triangle, 3, 3, rational)                                                                       \
@@ -55,7 +63,10 @@ EP_DEGREES(triangle, 1, 0)
 EP_DEGREES(triangle_rational, 1, 1)
 
 /* In the order of ep_shape. */
-#define EP_ALL(p) { EP_ROW(p, tensor), EP_ROW(p, tensor_rational), EP_ROW(p, triangle), EP_ROW(p, triangle_rational) }
+#define EP_ALL(p)                                                                                                      \
+    {                                                                                                                  \
+        EP_ROW(p, tensor), EP_ROW(p, tensor_rational), EP_ROW(p, triangle), EP_ROW(p, triangle_rational)               \
+    }
 
 const ep_kernels EP_KERNELS = {
     .isa = EP_ISA_NAME,

@@ -8,6 +8,7 @@
  *   filters from a callback                       rtcFilterIntersection       rtcInvokeIntersectFilterFromGeometry
  *   coherence                                     a flag of the context       a flag of the arguments
  *   mask of a new geometry                        0xFFFFFFFF                  1
+ *   words of an RTCRayHit                         20                          24 (with instance arrays)
  *
  * EP_EMBREE is 3 or 4, from meson. */
 #ifndef EP_RTC_COMPAT_H
@@ -24,6 +25,9 @@ typedef struct RTCRayQueryContext ep_rtc_context;
 #else
 #error "EP_EMBREE must be 3 or 4"
 #endif
+
+/* Words a ray that hold an RTCRayHit or, for each of its rays, an RTCRayHit4/8/16 in any version. */
+#define EP_RTC_RAYHIT_FIELDS (sizeof(struct RTCRayHit) / sizeof(float))
 
 /* Runs the geometry's filter, and on Embree 3 the query's too, on the candidate hits in `filter`. */
 static inline void ep_rtc_filter_intersection(const struct RTCIntersectFunctionNArguments *args,

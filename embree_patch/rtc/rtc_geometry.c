@@ -26,7 +26,7 @@ typedef struct query {
     const struct RTCOccludedFunctionNArguments *occluded;
     EPGeometry geometry;
     const ep_leaf *leaf;
-    const ep_patch *patch;
+    const float *net;
     ep_rtc_context *context;
     float *ray; /* Embree's packet of n rays, hits behind it for an intersection */
     unsigned n, geom_id;
@@ -60,12 +60,8 @@ static void fill_ids(const query *q, float *hit)
 
 static void filter(const query *q, int *valid, candidates *c)
 {
-    const struct RTCFilterFunctionNArguments args = { valid,
-                                                      q->geometry,
-                                                      q->context,
-                                                      (struct RTCRayN *)q->ray,
-                                                      (struct RTCHitN *)c->hit,
-                                                      q->n };
+    const struct RTCFilterFunctionNArguments args = {
+        valid, q->geometry, q->context, (struct RTCRayN *)q->ray, (struct RTCHitN *)c->hit, q->n};
     fill_ids(q, c->hit);
     if (q->intersect) ep_rtc_filter_intersection(q->intersect, &args);
     else ep_rtc_filter_occlusion(q->occluded, &args);
@@ -120,58 +116,61 @@ static bool in_front(const query *q, unsigned lane, const candidates *c)
     return u < hit_u || (u == hit_u && v < hit_v);
 }
 
-/* t carries the rounding of the surface divided by the cosine of incidence: flat hits are polished in double. */
-static bool refine_flat(const query *q, unsigned lane, candidates *c)
+static const ep_patch *patch_of(const query *q)
+{
+    return &q->geometry->hierarchy.patches[q->leaf->patch];
+}
+
+/* Finds a vague candidate again in double. */
+static ep_polished polish(const query *q, unsigned lane, candidates *c)
 {
     const unsigned n = q->n;
     float org[3], dir[3], field[5];
-    float along = 0, dd = 0, nn = 0;
     for (unsigned k = 0; k < 3; ++k) {
         org[k] = q->ray[(EP_RAY_ORG + k) * n + lane];
         dir[k] = q->ray[(EP_RAY_DIR + k) * n + lane];
-        field[k] = c->hit[(EP_HIT_NG + k) * n + lane];
-        along += dir[k] * field[k];
-        dd += dir[k] * dir[k];
-        nn += field[k] * field[k];
     }
-    if (along * along > 0x1p-6f * dd * nn) return true;
-    field[3] = c->hit[EP_HIT_U * n + lane];
-    field[4] = c->hit[EP_HIT_V * n + lane];
-    if (!ep_refine(q->patch, org, dir, &c->t[lane], field)) return false;
-    for (unsigned f = 0; f < 5; ++f) c->hit[f * n + lane] = field[f];
-    return true;
+    for (unsigned f = 0; f < 5; ++f) field[f] = c->hit[f * n + lane];
+    const ep_polished found = ep_polish(patch_of(q), org, dir, &c->t[lane], field);
+    if (found == EP_POLISHED)
+        for (unsigned f = 0; f < 5; ++f) c->hit[f * n + lane] = field[f];
+    return found;
 }
 
-/* The candidates in `mask` that are to be offered, polished. */
-static uint32_t settle_roots(const query *q, uint32_t mask, candidates *c)
+/* Those of the kernel's candidates that are to be offered. Lanes whose vague root is lost are slow. */
+static uint32_t settle(const query *q, ep_outcome *o, candidates *c)
 {
-    uint32_t front = 0;
-    for (uint32_t rest = mask; rest; rest &= rest - 1) {
+    uint32_t front = o->hit;
+    for (uint32_t rest = o->tie | o->vague; rest; rest &= rest - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(rest);
-        front |= (uint32_t)(refine_flat(q, lane, c) && in_front(q, lane, c)) << lane;
+        const ep_polished found = o->vague >> lane & 1 ? polish(q, lane, c) : EP_POLISHED;
+        o->slow |= (uint32_t)(found == EP_POLISHED_LOST) << lane;
+        if (found != EP_POLISHED || !in_front(q, lane, c)) front &= ~(1u << lane);
     }
     return front;
 }
 
-/* Candidates of one ray, nearest first, until one is accepted. */
-static bool offer_root(const query *q, unsigned lane, float t, const float field[5], candidates *c)
+static void put_root(const query *q, unsigned lane, float t, const float field[5], candidates *c)
 {
     c->t[lane] = t;
     for (unsigned f = 0; f < 5; ++f) c->hit[f * q->n + lane] = field[f];
-    const uint32_t front = settle_roots(q, 1u << lane, c);
-    return front && offer(q, front, c) != 0;
 }
 
 static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray, double lo, double hi, candidates *c)
 {
-    const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
     ep_root r;
-    while (ep_solve(q->patch, q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, lo, hi, &r)) {
+    hi = fmin(hi, nextafterf(ray[EP_RAY_TFAR], INFINITY));
+    while (ep_solve(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, lo, hi, &r)) {
         /* the next one is told apart from this by more than the rounding of both */
         lo = r.t + 0x1p-40 * fabs(r.t);
         const float t = (float)r.t;
-        const float field[5] = { (float)r.ng[0], (float)r.ng[1], (float)r.ng[2], (float)r.u, (float)r.v };
-        if (tnear < t && t <= tfar && offer_root(q, lane, t, field, c)) return true;
+        const float field[5] = {(float)r.ng[0], (float)r.ng[1], (float)r.ng[2], (float)r.u, (float)r.v};
+        put_root(q, lane, t, field, c);
+        if (in_front(q, lane, c)) {
+            if (offer(q, 1u << lane, c)) return true;
+        } else if (t >= ray[EP_RAY_TFAR]) {
+            return false; /* and so are all others */
+        }
     }
     return false;
 }
@@ -190,7 +189,7 @@ static bool solve_by_cells(const query *q, unsigned lane, const float *ray, doub
                            last_root *last, candidates *c, EPCounters *counters)
 {
     ep_cells cells;
-    q->geometry->kernels->cells[q->patch->shape](q->leaf, q->patch, ray, lo, hi, &cells);
+    q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, ray, lo, hi, &cells);
     const double length = (hi - lo) / EP_PACKET;
     for (unsigned k = 0; k < EP_PACKET; ++k) {
         if (cells.open >> k & 1) {
@@ -207,10 +206,18 @@ static bool solve_by_cells(const query *q, unsigned lane, const float *ray, doub
         } else if (cells.hit >> k & 1) {
             const float near = last->radius + cells.radius[k];
             if (last->any && fabsf(cells.s[k] - last->s) <= near && fabsf(cells.r[k] - last->r) <= near) continue;
-            *last = (last_root){ true, cells.s[k], cells.r[k], cells.radius[k] };
+            *last = (last_root){true, cells.s[k], cells.r[k], cells.radius[k]};
             float field[5];
             for (unsigned f = 0; f < 5; ++f) field[f] = cells.fields[f * EP_PACKET + k];
-            if (offer_root(q, lane, cells.t[k], field, c)) return true;
+            put_root(q, lane, cells.t[k], field, c);
+            const ep_polished found = cells.vague >> k & 1 ? polish(q, lane, c) : EP_POLISHED;
+            if (found == EP_POLISHED && in_front(q, lane, c) && offer(q, 1u << lane, c)) return true;
+            if (found == EP_POLISHED_LOST) {
+                /* it is near the cell, not necessarily in it */
+                ++counters->slow;
+                if (solve_by_subdivision(q, lane, ray, lo + length * (k - 1.0), lo + length * (k + 2.0), c))
+                    return true;
+            }
         }
     }
     return false;
@@ -224,10 +231,11 @@ static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters 
     for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = q->ray[f * q->n + lane];
     /* The cells do not depend on tnear and tfar, or the bits would on what else the ray has met before. */
     double lo = -INFINITY, hi = INFINITY;
-    if (!ep_clip(q->patch, q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, &lo, &hi)) return false;
+    if (!ep_clip(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, &lo, &hi)) return false;
     if (!(lo <= ray[EP_RAY_TFAR] && hi >= ray[EP_RAY_TNEAR])) return false;
-    if (q->leaf->height < INFINITY) {
-        last_root last = { 0 };
+    /* where the parametrisation folds or collapses, cells cannot decide either */
+    if (q->leaf->height < INFINITY && q->leaf->bend_st < 2) {
+        last_root last = {0};
         ++counters->cells;
         return solve_by_cells(q, lane, ray, lo, hi, 0, &last, c, counters);
     }
@@ -238,17 +246,19 @@ static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters 
 /* One or two rays of a packet, each by the single-ray kernel, which is cheaper then; the bits are the same. */
 static ep_outcome run_sparse(const query *q, uint32_t active, candidates *c, EPCounters *counters)
 {
-    ep_outcome all = { 0, 0 };
+    ep_outcome all = {0, 0, 0, 0};
     const unsigned n = q->n;
     for (unsigned i = 0; i < n; ++i) {
         if (!(active >> i & 1)) continue;
         float ray[EP_RAY_FIELDS], hit[5];
         for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = q->ray[f * n + i];
         const ep_outcome o =
-            q->geometry->kernels->single[q->patch->shape](q->leaf, q->patch, ray, 1, 1, &c->t[i], hit, counters);
+            q->geometry->kernels->single[q->leaf->shape](q->leaf, q->net, ray, 1, 1, &c->t[i], hit, counters);
         all.slow |= o.slow << i;
         if (!o.hit) continue;
         all.hit |= 1u << i;
+        all.tie |= o.tie << i;
+        all.vague |= o.vague << i;
         for (unsigned f = 0; f < 5; ++f) c->hit[f * n + i] = hit[f];
     }
     return all;
@@ -264,10 +274,10 @@ static void run(const query *q, int *valid)
     uint32_t accepted = 0;
     if (!valid[0] && q->n == 1) return;
     ep_outcome o;
-    if (q->n == 1) o = kernels->single[q->patch->shape](q->leaf, q->patch, q->ray, 1, 1, c.t, c.hit, counters);
+    if (q->n == 1) o = kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, 1, 1, c.t, c.hit, counters);
     else if (!(beyond & (beyond - 1))) o = run_sparse(q, active, &c, counters);
-    else o = kernels->packet[q->patch->shape](q->leaf, q->patch, q->ray, q->n, active, c.t, c.hit, counters);
-    const uint32_t front = settle_roots(q, o.hit, &c);
+    else o = kernels->packet[q->leaf->shape](q->leaf, q->net, q->ray, q->n, active, c.t, c.hit, counters);
+    const uint32_t front = settle(q, &o, &c);
     if (front) accepted = offer(q, front, &c);
     for (uint32_t slow = o.slow; slow; slow &= slow - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(slow);
@@ -281,8 +291,14 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
 {
     const EPGeometry g = args->geometryUserPtr;
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
-    const query q = { .intersect = args, .geometry = g, .leaf = leaf, .patch = &g->hierarchy.patches[leaf->patch],
-                      .context = args->context, .ray = (float *)args->rayhit, .n = args->N, .geom_id = args->geomID };
+    const query q = {.intersect = args,
+                     .geometry = g,
+                     .leaf = leaf,
+                     .net = g->hierarchy.nets + leaf->net,
+                     .context = args->context,
+                     .ray = (float *)args->rayhit,
+                     .n = args->N,
+                     .geom_id = args->geomID};
     run(&q, args->valid);
 }
 
@@ -290,8 +306,14 @@ static void occluded(const struct RTCOccludedFunctionNArguments *args)
 {
     const EPGeometry g = args->geometryUserPtr;
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
-    const query q = { .occluded = args, .geometry = g, .leaf = leaf, .patch = &g->hierarchy.patches[leaf->patch],
-                      .context = args->context, .ray = (float *)args->ray, .n = args->N, .geom_id = args->geomID };
+    const query q = {.occluded = args,
+                     .geometry = g,
+                     .leaf = leaf,
+                     .net = g->hierarchy.nets + leaf->net,
+                     .context = args->context,
+                     .ray = (float *)args->ray,
+                     .n = args->N,
+                     .geom_id = args->geomID};
     run(&q, args->valid);
 }
 

@@ -1,4 +1,4 @@
-/* image.h - images in and out, by OpenImageIO, with nothing of it visible.
+/* image.h - images in and out, by OpenImageIO, with nothing of it visible. It is loaded at the first call.
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef EPATCH_IMAGE_H

@@ -1,0 +1,156 @@
+/* test_trim.c - points and domains against a slow reference.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Seeds are fixed; every failure names the case, and EP_TRIM_CASE=N runs that one alone. */
+#include "test/test_trim.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Nearer to a border than this, rounding and the reference's chords may decide. */
+static const double band = 2e-5;
+
+static bool wanted(unsigned k)
+{
+    const char *only = getenv("EP_TRIM_CASE");
+    return !only || strtoul(only, NULL, 10) == k;
+}
+
+static const trim_style styles[] = {{0, 1, 3}, {0, 20, 5}, {0.125, 1, 3}, {0.125, 4, 4}};
+
+static trim_shape *shape_of_case(unsigned k)
+{
+    rng r = rng_split(4, 0, k);
+    return random_shape(&r, 1 + k / EP_ARRAY_LEN(styles) % 4, styles[k % EP_ARRAY_LEN(styles)]);
+}
+
+static void points_anywhere(void **state)
+{
+    (void)state;
+    for (unsigned k = 0; k < 160; ++k) {
+        if (!wanted(k)) continue;
+        trim_shape *s = shape_of_case(k);
+        ep_trim *trim = new_trim(s);
+        rng r = rng_split(4, 1, k);
+        for (int i = 0; i < 300; ++i) {
+            double x = rng_in(&r, -0.5, 1.5), y = rng_in(&r, -0.5, 1.5);
+            /* level with corners as often as not */
+            if (i % 3 == 0) y = floor(y * 16) / 16;
+            if (i % 3 == 1) x = floor(x * 16) / 16;
+            const bool want = shape_has(s, x, y), got = ep_trim_has_point(trim, x, y);
+            if (want != got && shape_distance(s, x, y) > band)
+                FAIL("case %u: (%.17g, %.17g) is %d, not %d", k, x, y, want, got);
+        }
+        ep_trim_free(trim);
+        shape_free(s);
+    }
+}
+
+/* What a domain of a random hierarchy is found to be, checked with points in it. */
+typedef struct walk {
+    const trim_shape *shape;
+    const ep_trim *trim;
+    unsigned number;
+    rng r;
+    ep_trim_store store;
+} walk;
+
+static void point_in(const ep_domain *d, rng *r, double *x, double *y)
+{
+    double sum = 0;
+    *x = *y = 0;
+    const unsigned corner = rng_below(r, d->count + 2); /* at a corner, or anywhere */
+    for (unsigned i = 0; i < d->count; ++i) {
+        const double w = corner < d->count ? i == corner : rng_unit(r);
+        sum += w, *x += w * d->corner[i][0], *y += w * d->corner[i][1];
+    }
+    *x /= sum, *y /= sum;
+}
+
+static void check_domain(walk *w, const ep_domain *d, const ep_trim_part *part)
+{
+    float u[16], v[16];
+    uint32_t want = 0;
+    for (unsigned i = 0; i < 16; ++i) {
+        double x, y;
+        point_in(d, &w->r, &x, &y);
+        u[i] = (float)x, v[i] = (float)y;
+        want |= (uint32_t)ep_trim_has_point(w->trim, u[i], v[i]) << i;
+        if (i % 4 == 0 && (want >> i & 1) != shape_has(w->shape, u[i], v[i]) &&
+            shape_distance(w->shape, u[i], v[i]) > band)
+            FAIL("case %u: (%.9g, %.9g) is not %u", w->number, u[i], v[i], want >> i & 1);
+    }
+    if (part->state == EP_TRIM_CROSSED) {
+        ep_message m;
+        uint32_t node;
+        if (ep_trim_keep(w->trim, part, d, &w->store, &node, &m)) FAIL("%s", m.text);
+        const uint32_t mask = (uint32_t)rng_bits(&w->r) & 0xffff;
+        const uint32_t got = ep_trim_inside(w->trim, w->store.words, node, 16, u, v, mask);
+        for (unsigned i = 0; i < 16; ++i)
+            if (((want & mask) ^ got) >> i & 1)
+                FAIL("case %u: (%.9g, %.9g) is %u in the plane and %u in a leaf", w->number, u[i], v[i], want >> i & 1,
+                     got >> i & 1);
+    } else if (want != (part->state == EP_TRIM_INSIDE ? 0xffff : 0)) {
+        FAIL("case %u: state %d, points %x, near (%.9g, %.9g)", w->number, part->state, want, u[0], v[0]);
+    }
+}
+
+/* Domains of a hierarchy: halves of rectangles, and triangles cut from an edge. */
+static void walk_domain(walk *w, const ep_domain *d, const ep_trim_part *parent, int depth)
+{
+    ep_message m;
+    ep_trim_part part;
+    if (ep_trim_cut(w->trim, parent, d, &part, &m)) FAIL("%s", m.text);
+    if (depth % 3 == 2 || part.state != EP_TRIM_CROSSED) check_domain(w, d, &part);
+    if (depth < 8 && part.state == EP_TRIM_CROSSED) {
+        const double f = rng_below(&w->r, 2) ? 0.5 : rng_in(&w->r, 0.1, 0.9);
+        for (int side = 0; side < 2; ++side) {
+            ep_domain half;
+            if (d->count == 3) {
+                const unsigned k = (unsigned)depth % 3;
+                double mid[2];
+                for (int c = 0; c < 2; ++c) mid[c] = (float)((1 - f) * d->corner[k][c] + f * d->corner[(k + 1) % 3][c]);
+                ep_point2 p[3];
+                for (int c = 0; c < 2; ++c) {
+                    p[0][c] = d->corner[(k + 2) % 3][c];
+                    p[1][c] = side ? mid[c] : d->corner[k][c];
+                    p[2][c] = side ? d->corner[(k + 1) % 3][c] : mid[c];
+                }
+                half = ep_domain_polygon(3, p, d->margin);
+            } else {
+                ep_point2 lo, hi;
+                ep_domain_bounds(d, lo, hi);
+                (side ? lo : hi)[depth & 1] = (float)((1 - f) * lo[depth & 1] + f * hi[depth & 1]);
+                half = ep_domain_rectangle(lo[0], hi[0], lo[1], hi[1], d->margin);
+            }
+            walk_domain(w, &half, &part, depth + 1);
+        }
+    }
+    ep_trim_part_free(&part);
+}
+
+static void domains(void **state)
+{
+    (void)state;
+    for (unsigned k = 0; k < 80; ++k) {
+        if (!wanted(k)) continue;
+        walk w = {.number = k, .shape = shape_of_case(k), .r = rng_split(4, 2, k)};
+        w.trim = new_trim((trim_shape *)w.shape);
+        const ep_domain square = ep_domain_rectangle(0, 1, 0, 1, 0x1p-20);
+        const ep_domain triangle = ep_domain_polygon(3, (const ep_point2[]){{0, 0}, {1, 0}, {0, 1}}, 0x1p-20);
+        walk_domain(&w, k & 1 ? &square : &triangle, &w.trim->root, 0);
+        ep_free(w.store.words);
+        ep_trim_free((ep_trim *)w.trim);
+        shape_free((trim_shape *)w.shape);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_anywhere),
+        cmocka_unit_test(domains),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

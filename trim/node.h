@@ -1,0 +1,64 @@
+/* node.h - reading the words of a part (trim.h).
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef EP_TRIM_NODE_H
+#define EP_TRIM_NODE_H
+
+#include "trim/trim.h"
+
+#include <string.h>
+
+static inline ep_node_kind ep_node_kind_of(uint32_t word)
+{
+    return (ep_node_kind)(word & EP_NODE_KIND);
+}
+static inline size_t ep_node_size(uint32_t word)
+{
+    return word >> EP_NODE_SIZE_SHIFT;
+}
+static inline uint32_t ep_node_word(ep_node_kind kind, uint32_t bits, size_t size)
+{
+    return (uint32_t)kind | bits | (uint32_t)size << EP_NODE_SIZE_SHIFT;
+}
+
+static inline float ep_node_float(uint32_t word)
+{
+    float f;
+    memcpy(&f, &word, sizeof f);
+    return f;
+}
+static inline uint32_t ep_node_from_float(float f)
+{
+    uint32_t word;
+    memcpy(&word, &f, sizeof f);
+    return word;
+}
+
+static inline uint32_t ep_entry_word(uint32_t piece, ep_beyond low, ep_beyond high)
+{
+    return piece << 4 | (uint32_t)low << 2 | (uint32_t)high;
+}
+static inline uint32_t ep_entry_piece(uint32_t entry)
+{
+    return entry >> 4;
+}
+
+/* Does an entry of a list count for the point? */
+static inline bool ep_entry_crosses(const ep_trim *t, uint32_t entry, double x, double y)
+{
+    const ep_piece *p = &t->pieces[ep_entry_piece(entry)];
+    const bool below = y < p->low[1];
+    if (!below && y < p->high[1]) return ep_piece_is_right(p, t->points + p->first, x, y);
+    const uint32_t beyond = (below ? entry >> 2 : entry) & 3;
+    return beyond == EP_BEYOND_LEFT_OF ? x < (below ? p->low : p->high)[0] : beyond == EP_BEYOND_ALWAYS;
+}
+
+static inline bool ep_list_has(const ep_trim *t, const uint32_t *node, double x, double y)
+{
+    bool inside = *node & EP_NODE_BIT3;
+    const size_t size = ep_node_size(*node);
+    for (size_t i = 1; i < size; ++i) inside ^= ep_entry_crosses(t, node[i], x, y);
+    return inside;
+}
+
+#endif
