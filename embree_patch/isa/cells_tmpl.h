@@ -18,12 +18,12 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
 {
     const double length = (hi - lo) / EP_PACKET;
     const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
-    w_f org[3], dir[3], o[3], low[3];
+    w_f org[3], dir[3], o[3];
     for (int c = 0; c < 3; ++c) {
         org[c] = w_set(ray[EP_RAY_ORG + c]);
         dir[c] = w_set(ray[EP_RAY_DIR + c]);
     }
-    w_relative(leaf, org, o, low);
+    w_relative(leaf, org, o);
     const w_3 d = w_to_leaf(leaf, dir);
     const w_f d_sum = (w_abs(dir[0]) + w_abs(dir[1])) + w_abs(dir[2]);
     /* half a cell, and the rounding of its middle */
@@ -37,7 +37,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         for (unsigned k = 0; k < EP_LANES; ++k) middle[k] = (float)(lo + length * (base + k + 0.5));
         w_visit v;
         v.t_plane = w_load(middle, EP_LANES);
-        v.o = w_move(leaf, o, low, dir, v.t_plane);
+        v.o = w_move(leaf, org, o, dir, v.t_plane);
         v.inverse = w_set(1.0f) / d.z;
         v.p_s = d.x * v.inverse;
         v.p_t = d.y * v.inverse;

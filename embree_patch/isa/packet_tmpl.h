@@ -14,22 +14,22 @@ EP_INLINE w_3 w_to_leaf(const ep_leaf *leaf, const w_f *x)
     return (w_3){r[0], r[1], r[2]};
 }
 
-/* org - centre, with its rounding and the low part of the centre in `low` (Knuth's two-sum). */
-EP_INLINE void w_relative(const ep_leaf *leaf, const w_f *org, w_f *o, w_f *low)
+/* org - centre. */
+EP_INLINE void w_relative(const ep_leaf *leaf, const w_f *org, w_f *o)
 {
-    for (int c = 0; c < 3; ++c) {
-        const w_f centre = w_set(leaf->centre[c]);
-        o[c] = org[c] - centre;
-        const w_f back = o[c] - org[c];
-        low[c] = ((org[c] - (o[c] - back)) - (centre + back)) - w_set(leaf->centre_low[c]);
-    }
+    for (int c = 0; c < 3; ++c) o[c] = org[c] - w_set(leaf->centre[c]);
 }
 
-/* The origin moved by t, in leaf coordinates: right to two roundings of itself, however far the ray has come. */
-EP_INLINE w_3 w_move(const ep_leaf *leaf, const w_f *o, const w_f *low, const w_f *dir, w_f t)
+/* The origin moved by t, in leaf coordinates: right to two roundings of itself, however far the ray has come, because
+ * the rounding of o = org - centre is put back (Knuth's two-sum). */
+EP_INLINE w_3 w_move(const ep_leaf *leaf, const w_f *org, const w_f *o, const w_f *dir, w_f t)
 {
     w_f moved[3];
-    for (int c = 0; c < 3; ++c) moved[c] = w_fma(t, dir[c], o[c]) + low[c];
+    for (int c = 0; c < 3; ++c) {
+        const w_f back = o[c] - org[c];
+        const w_f low = ((org[c] - (o[c] - back)) - (w_set(leaf->centre[c]) + back)) - w_set(leaf->centre_low[c]);
+        moved[c] = w_fma(t, dir[c], o[c]) + low;
+    }
     return w_to_leaf(leaf, moved);
 }
 
@@ -79,13 +79,13 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
     for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES, t_out += EP_LANES, hit_out += EP_LANES) {
         const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
-        w_f org[3], dir[3], o[3], low[3], near[3];
+        w_f org[3], dir[3], o[3], near[3];
         for (int c = 0; c < 3; ++c) {
             org[c] = w_load(ray + (EP_RAY_ORG + (unsigned)c) * rays, rays - base);
             dir[c] = w_load(ray + (EP_RAY_DIR + (unsigned)c) * rays, rays - base);
         }
-        w_relative(leaf, org, o, low);
-        for (int c = 0; c < 3; ++c) near[c] = o[c] + low[c];
+        w_relative(leaf, org, o);
+        for (int c = 0; c < 3; ++c) near[c] = o[c] - w_set(leaf->centre_low[c]);
         const w_f tnear = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
         const w_f tfar = w_load(ray + EP_RAY_TFAR * rays, rays - base);
         const w_f d_sum = (w_abs(dir[0]) + w_abs(dir[1])) + w_abs(dir[2]);
@@ -95,7 +95,7 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
         uint32_t live = w_bits(visit.live), hit = 0;
         counters->solves += (unsigned)__builtin_popcount(live | w_bits(visit.slow));
         if (live) {
-            w_start(leaf, &visit, triangle, w_move(leaf, o, low, dir, visit.t_plane));
+            w_start(leaf, &visit, triangle, w_move(leaf, org, o, dir, visit.t_plane));
             live = w_bits(visit.live);
         }
         while (live) {

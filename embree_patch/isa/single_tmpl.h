@@ -36,10 +36,9 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const float *net, const float
 {
     const f4 org = f4_load(ray + EP_RAY_ORG), dir = f4_load(ray + EP_RAY_DIR);
     const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
-    const f4 centre = f4_load(leaf->centre), o = org - centre, back = o - org;
-    const f4 low = ((org - (o - back)) - (centre + back)) - f4_load(leaf->centre_low);
+    const f4 centre = f4_load(leaf->centre), centre_low = f4_load(leaf->centre_low), o = org - centre;
     const f4 frame[3] = {f4_load(leaf->frame[0]), f4_load(leaf->frame[1]), f4_load(leaf->frame[2])};
-    const f4 lo = s_to_leaf(frame, o + low), ld = s_to_leaf(frame, dir), da = f4_abs(dir);
+    const f4 lo = s_to_leaf(frame, o - centre_low), ld = s_to_leaf(frame, dir), da = f4_abs(dir);
     s_visit visit = s_enter(leaf, triangle, (s_3){lo[0], lo[1], lo[2]}, (s_3){ld[0], ld[1], ld[2]},
                             (da[0] + da[1]) + da[2], tnear, tfar, 1);
     ++counters->visits;
@@ -49,6 +48,7 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const float *net, const float
     }
     ++counters->solves;
 
+    const f4 back = o - org, low = ((org - (o - back)) - (centre + back)) - centre_low;
     const f4 moved = s_to_leaf(frame, f4_fma(f4_set(visit.t_plane), dir, o) + low);
     s_start(leaf, &visit, triangle, (s_3){moved[0], moved[1], moved[2]});
     while (visit.live) {
