@@ -295,6 +295,66 @@ def sweep(width=40.0, front=-30.0, back=16.0, radius=8.0, height=40.0):
     return [[(x, y, z, w) for y, z, w in part for x in (-width, width)] for part in profile]
 
 
+# ---------------------------------------------------------------------------------------------- trims
+
+
+def disc(x, y, r):
+    return {"circle": {}, "transform": [r, 0, 0, r, x, y]}
+
+
+def box(x, y, w, h, degrees=0.0):
+    """A rectangle about (x, y), turned."""
+    c, s = cos(math.radians(degrees)), sin(math.radians(degrees))
+    a, b, d, e = w * c, w * s, -h * s, h * c
+    return {"square": {}, "transform": [round(t, 9) for t in (a, b, d, e, x - (a + d) / 2, y - (b + e) / 2)]}
+
+
+def minus(a, *others):
+    return {"difference": [a, others[0] if len(others) == 1 else {"union": list(others)}]}
+
+
+ALL = {"square": {}}
+
+
+def straight_and_curved():
+    """A contour of five straight edges and one curve, like that of Figure 11."""
+    return {"polygon": {"segments": [
+        {"line": [[0.42, 0.5], [0.1, 0.72], [0.08, 0.3], [0.28, 0.1], [0.62, 0.08], [0.8, 0.12]]},
+        {"bezier": {"points": [[0.8, 0.12], [0.72, 0.34], [0.48, 0.26], [0.42, 0.5]]}}]}}
+
+
+def machined():
+    """Ten squares and eight circles under 17 operators, as many as in Figure 17(c)."""
+    plate = {"union": [box(0.3, 0.3, 0.44, 0.44), {"union": [box(0.66, 0.16, 0.34, 0.2), box(0.16, 0.66, 0.2, 0.34)]}]}
+    holes = [disc(0.2, 0.2, 0.05), disc(0.42, 0.2, 0.05), disc(0.2, 0.42, 0.05), disc(0.72, 0.16, 0.06),
+             disc(0.16, 0.72, 0.06)]
+    slots = [box(0.56, 0.16, 0.03, 0.12), box(0.16, 0.56, 0.12, 0.03), box(0.62, 0.16, 0.03, 0.08, 20),
+             box(0.16, 0.62, 0.08, 0.03, -20)]
+    ring = minus(disc(0.34, 0.34, 0.11), disc(0.34, 0.34, 0.05))
+    bridge = {"intersection": [box(0.34, 0.34, 0.3, 0.03, 45), disc(0.34, 0.34, 0.12)]}
+    cut = slots[0]
+    for part in slots[1:] + holes:
+        cut = {"union": [cut, part]}
+    whole = minus(minus(plate, cut), ring)
+    return {"union": [minus(whole, box(0.5, 0.5, 0.1, 0.1, 45)), minus(bridge, box(0.34, 0.34, 0.02, 0.02))]}
+
+
+def leaf_contour():
+    """Twelve quadratic NURBS arches around, and a closed cubic B-spline cut out, like Figure 17(d)."""
+    centre, segments = (0.3, 0.3), []
+
+    def at(k, radius):
+        angle = 2 * pi * k / 24
+        return [round(centre[0] + radius * cos(angle), 9), round(centre[1] + radius * sin(angle), 9)]
+
+    for k in range(12):
+        points = [at(2 * k, 0.2), at(2 * k + 0.5, 0.28) + [0.8], at(2 * k + 1.5, 0.28) + [0.8], at(2 * k + 2, 0.2)]
+        segments.append({"nurbs": {"degree": 2, "knots": [0, 0, 0, 1, 2, 2, 2], "points": points}})
+    inner = [at(4 * k, 0.15 if k % 2 else 0.07) for k in range(6)]
+    hole = {"bspline": {"degree": 3, "knots": list(range(13)), "points": inner + inner[:3]}}
+    return minus({"polygon": {"segments": segments}}, {"polygon": {"segments": [hole]}})
+
+
 # ---------------------------------------------------------------------------------------------- writing
 
 
@@ -308,10 +368,11 @@ def point(p):
     return "[" + ", ".join(number(x) for x in (p if rational else p[:3])) + "]"
 
 
-def geometry(name, kind, degree, patches):
+def geometry(name, kind, degree, patches, trim=None):
     lines = ",\n        ".join("[" + ", ".join(map(point, patch)) + "]" for patch in patches)
-    return ('    { "name": "%s", "type": "%s", "degree": %s,\n      "patches": [\n        %s ] }'
-            % (name, kind, json.dumps(degree), lines))
+    trims = '\n      "trim": %s,' % json.dumps(trim) if trim else ""
+    return ('    { "name": "%s", "type": "%s", "degree": %s,%s\n      "patches": [\n        %s ] }'
+            % (name, kind, json.dumps(degree), trims, lines))
 
 
 def file_geometry(name, path):
@@ -406,6 +467,27 @@ def files():
          item("sphere", "blue plastic", turned(0, "z", 0.5, (-2.2, -0.9, 2.1))),
          item("backdrop", "slate")],
         ((0.3, -11.0, 6.2), (-0.1, 0.1, 1.55), 30))
+
+    cubic = lambda name, trim: geometry(name, "bezier_triangles", 3, triangle_rational_cubic(), trim)
+    stand = lambda x: turned(-45, "z", 4.2, (x, 0.2, 0.35))
+    names = ("edges", "hole", "machined", "contour")
+    trims = (straight_and_curved(), minus(ALL, disc(0.33, 0.33, 0.16)), machined(), leaf_contour())
+    colour = ("teal plastic", "copper", "steel", "red plastic")
+    models["scenes/trims.json"] = scene(
+        [cubic(name, trim) for name, trim in zip(names, trims)] + [backdrop],
+        [item(names[k], colour[k], stand(4.9 * k - 7.4)) for k in range(4)] + [item("backdrop", "paper")],
+        ((0, -17, 13), (0, -0.4, 0.6), 33))
+
+    window = {"loops": [{"polygon": {"segments": [{"bezier": {"points": points}} for points in loop]}} for loop in (
+        [[[0.12, 0.12], [0.5, 0.02], [0.88, 0.12]], [[0.88, 0.12], [0.98, 0.5], [0.88, 0.88]],
+         [[0.88, 0.88], [0.5, 0.98], [0.12, 0.88]], [[0.12, 0.88], [0.02, 0.5], [0.12, 0.12]]],
+        [[[0.3, 0.5], [0.5, 0.42], [0.5, 0.22]], [[0.5, 0.22], [0.5, 0.42], [0.7, 0.5]],
+         [[0.7, 0.5], [0.5, 0.58], [0.5, 0.78]], [[0.5, 0.78], [0.5, 0.58], [0.3, 0.5]]])]}
+    models["scenes/lantern.json"] = scene(
+        [geometry("lantern", "bezier", [4, 4], sphere_tensor(), minus(ALL, window)), sphere, backdrop],
+        [item("lantern", "gold", turned(25, "z", 2, (0, 0, 2))),
+         item("sphere", "red plastic", turned(0, "z", 0.8, (0, 0, 2))), item("backdrop", "slate")],
+        ((0.4, -12.5, 6.2), (0, 0, 1.7), 26))
     return models
 
 

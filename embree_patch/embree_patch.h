@@ -58,6 +58,7 @@ typedef struct RTCDeviceTy *RTCDevice;
 typedef struct RTCGeometryTy *RTCGeometry;
 
 typedef struct EPGeometryTy *EPGeometry;
+typedef struct EPRegionTy *EPRegion;
 
 typedef enum EPStatus {
     EP_OK = 0,
@@ -103,6 +104,67 @@ EP_API EPStatus epAddBezierTriangles(EPGeometry geometry, unsigned degree, size_
  * Each patch is (m+1)(n+1) consecutive points, for j in 0..n (v): for i in 0..m (u). Otherwise as above. */
 EP_API EPStatus epAddBezierPatches(EPGeometry geometry, unsigned degreeU, unsigned degreeV, size_t count,
                                    EPFormat format, const void *points, size_t byteStride);
+
+/* Trims: a region of the parameter plane, of which a patch keeps the part inside. A region is written down from the
+ * outside in; this keeps what is in the unit square and not in a disc:
+ *
+ *     EPRegion hole = epNewRegion();
+ *     epBeginRegion(hole, EP_DIFFERENCE, NULL);
+ *     epAddRegionSquare(hole, NULL);
+ *     epAddRegionCircle(hole, (const double[6]){0.2, 0, 0, 0.2, 0.5, 0.5});
+ *     epEndRegion(hole);
+ *     epSetPatchTrim(geometry, 0, 32, hole);
+ *     epReleaseRegion(hole);
+ *
+ * With the end of the outermost node the region is complete and constant: any number of patches, geometries and threads
+ * may share it. Until then it belongs to one thread at a time. A call that fails changes nothing, but for EP_NO_MEMORY
+ * from the one that would have completed the region, which is then of no use. EP_INVALID: the call has no place here,
+ * such as a segment outside of a polygon, or a second outermost node. EP_BAD_DATA: a number has no meaning.
+ *
+ * Contours (square, circle, loops, polygon) are even-odd: a point is inside when a path from far away to it crosses the
+ * contour an odd number of times. Segments of a polygon follow one another; where one does not begin at the end of the
+ * last, and where the last does not end at the first, a straight segment joins them.
+ *
+ * A transform {a, b, c, d, e, f} maps (x, y) to (a x + c y + e, b x + d y + f); those of the nodes around it are
+ * applied after it. NULL: none. */
+typedef enum EPRegionKind {
+    EP_UNION,
+    EP_INTERSECTION,
+    EP_DIFFERENCE, /* of exactly two: in the first and not in the second */
+    EP_LOOPS,      /* of polygons: in an odd number of them              */
+    EP_POLYGON     /* of segments                                        */
+} EPRegionKind;
+
+/* A new, empty region with one reference, or NULL when there is no memory. */
+EP_API EPRegion epNewRegion(void);
+EP_API void epRetainRegion(EPRegion region);
+/* The last release frees the region; geometries that are trimmed by it hold references of their own. NULL is fine. */
+EP_API void epReleaseRegion(EPRegion region);
+/* The sentence that goes with the last failure on this region; "" when there was none. */
+EP_API const char *epGetRegionMessage(EPRegion region);
+
+EP_API EPStatus epBeginRegion(EPRegion region, EPRegionKind kind, const double transform[6]);
+EP_API EPStatus epEndRegion(EPRegion region);
+/* [0,1]², and the disc of radius 1 about the origin. */
+EP_API EPStatus epAddRegionSquare(EPRegion region, const double transform[6]);
+EP_API EPStatus epAddRegionCircle(EPRegion region, const double transform[6]);
+
+/* Segments of the polygon that was begun last. Lines have two doubles a point (x, y), curves three (x, y, weight),
+ * Euclidean and with positive weights. A line connects 2 points or more. A Bézier curve has degree count-1, at most
+ * EP_MAX_DEGREE. A NURBS curve has count+degree+1 knots, which do not decrease and repeat at most `degree` times
+ * inside; with weights of 1 it is a B-spline. The points are copied. */
+EP_API EPStatus epAddRegionLine(EPRegion region, size_t count, const double *points);
+EP_API EPStatus epAddRegionBezier(EPRegion region, size_t count, const double *points);
+EP_API EPStatus epAddRegionNURBS(EPRegion region, unsigned degree, size_t knotCount, const double *knots, size_t count,
+                                 const double *points);
+
+/* 1 when (u, v) is in the region, which is complete; else 0. */
+EP_API int epIsInRegion(EPRegion region, double u, double v);
+
+/* Trims `count` patches that were added, from `firstPatch` on, in place of what trimmed them before; NULL: not at all.
+ * Takes effect with the next commit, until which nothing may be traced. What is outside makes no leaves, and rays pass
+ * through it. EP_INVALID: no such patches, or the region is not complete. */
+EP_API EPStatus epSetPatchTrim(EPGeometry geometry, uint32_t firstPatch, size_t count, EPRegion region);
 
 /* How to cut patches into leaves. Start from epDefaultBuildSettings(). None of these changes which point a ray
  * hits; they trade build time and memory against speed. */

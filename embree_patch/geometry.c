@@ -26,6 +26,7 @@ void epRetainGeometry(EPGeometry g)
 void epReleaseGeometry(EPGeometry g)
 {
     if (!g || atomic_fetch_sub(&g->references, 1) != 1) return;
+    for (size_t i = 0; i < g->added_count; ++i) epReleaseRegion(g->added[i].region);
     ep_hierarchy_free(&g->hierarchy);
     ep_free(g->added);
     ep_free(g->points);
@@ -102,7 +103,7 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
     ep_point *to = g->points + g->point_count;
     for (size_t k = 0; k < count; ++k) {
         ep_added *a = &g->added[g->added_count + k];
-        *a = (ep_added){g->point_count + k * each, (uint8_t)kind, (uint8_t)m, (uint8_t)n, 0};
+        *a = (ep_added){g->point_count + k * each, (uint8_t)kind, (uint8_t)m, (uint8_t)n, 0, NULL};
         for (size_t i = 0; i < each; ++i, at += stride, ++to) {
             double p[4];
             read_point(format, at, p);
@@ -134,6 +135,20 @@ EPStatus epAddBezierPatches(EPGeometry g, unsigned m, unsigned n, size_t count, 
                             size_t stride)
 {
     return add(g, EP_KIND_TENSOR, m, n, count, format, points, stride);
+}
+
+EPStatus epSetPatchTrim(EPGeometry g, uint32_t first, size_t count, EPRegion region)
+{
+    if (first > g->added_count || count > g->added_count - first)
+        return ep_fail(&g->message, EP_INVALID, "there are no %zu patches from %u on", count, first);
+    if (region && !region->trim) return ep_fail(&g->message, EP_INVALID, "a trim's region is not complete");
+    for (size_t i = first; i < first + count; ++i) {
+        epRetainRegion(region);
+        epReleaseRegion(g->added[i].region);
+        g->added[i].region = region;
+    }
+    g->committed = false;
+    return EP_OK;
 }
 
 EPStatus epSetGeometryBuildSettings(EPGeometry g, const EPBuildSettings *settings)
@@ -169,7 +184,12 @@ EPStatus epCommitGeometry(EPGeometry g)
 {
     const double start = seconds();
     ep_patch *patches = ep_alloc(g->added_count, sizeof *patches);
-    if (!patches) return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
+    const ep_trim **trims = ep_alloc(g->added_count, sizeof *trims);
+    if (!patches || !trims) {
+        ep_free(patches);
+        ep_free(trims);
+        return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
+    }
     for (size_t i = 0; i < g->added_count; ++i) {
         const ep_added *a = &g->added[i];
         patches[i] = (ep_patch){.points = g->points + a->first,
@@ -177,11 +197,13 @@ EPStatus epCommitGeometry(EPGeometry g)
                                 .degree_u = a->degree_u,
                                 .degree_v = a->degree_v,
                                 .rational = a->rational};
+        trims[i] = a->region ? a->region->trim : NULL;
     }
     ep_hierarchy h;
-    const EPStatus status = ep_build(patches, g->added_count, &g->settings, &g->message, &h);
+    const EPStatus status = ep_build(patches, trims, g->added_count, &g->settings, &g->message, &h);
     if (status != EP_OK) {
         ep_free(patches);
+        ep_free(trims);
         return status;
     }
     ep_hierarchy_free(&g->hierarchy);
@@ -243,8 +265,8 @@ void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
         .maximumDepth = h->maximum_depth,
         .averageThickness = h->average_thickness,
         .bytes = sizeof *g + g->added_capacity * sizeof *g->added + g->point_capacity * sizeof *g->points +
-                 h->patch_count * sizeof *h->patches + h->net_floats * sizeof(float) +
-                 h->leaf_count * (sizeof *h->leaves + sizeof *h->boxes),
+                 h->patch_count * (sizeof *h->patches + sizeof *h->trims) + h->trim_words * sizeof *h->crossed +
+                 h->net_floats * sizeof(float) + h->leaf_count * (sizeof *h->leaves + sizeof *h->boxes),
         .buildSeconds = g->build_seconds,
         .isa = g->kernels->isa,
     };

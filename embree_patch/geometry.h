@@ -6,6 +6,7 @@
 
 #include "embree_patch/build.h"
 #include "embree_patch/kernels.h"
+#include "embree_patch/region.h"
 
 #include <stdatomic.h>
 
@@ -13,6 +14,7 @@
 typedef struct ep_added {
     size_t first;
     uint8_t kind, degree_u, degree_v, rational;
+    EPRegion region; /* NULL: untrimmed; holds a reference */
 } ep_added;
 
 struct EPGeometryTy {

@@ -71,7 +71,8 @@ static void make_rest(ep_fit *f)
             if (from == SIZE_MAX) continue;
             double *to = f->rest[kind->index(m, n, i, j)];
             for (int c = 0; c < 4; ++c) to[c] += f->series[from][c];
-            const double w = f->series[from][3];
+            /* the weight of a polynomial is one but for its rounding */
+            const double w = f->raised ? f->series[from][3] : i + j == 0;
             if (w == 0) continue;
             f->rest[kind->index(m, n, i + 1, j)][0] -= w;
             f->rest[kind->index(m, n, i, j + 1)][1] -= w;

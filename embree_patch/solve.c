@@ -26,7 +26,7 @@ enum {
     MAX_STACK = 512,
     /* A cell that is still open after this many others becomes the hit: nothing nearer was left out. It takes a
      * surface that doubles cannot tell from the ray. */
-    MAX_CELLS = 1 << 13,
+    MAX_CELLS = 1 << 14,
 };
 
 typedef struct cell {
@@ -163,12 +163,13 @@ static double half(range r)
 }
 
 /* e of the certificate: the deviation of the Jacobian from its middle, relative to the middle; infinity if singular. */
-static double deviation(const slopes *g)
+static double deviation(const problem *p, const slopes *g)
 {
     const double a = mid(g->s[0]), b = mid(g->t[0]), c = mid(g->s[1]), d = mid(g->t[1]);
     const double det = a * d - b * c;
     if (det == 0) return INFINITY;
-    const double ra = half(g->s[0]), rb = half(g->t[0]), rc = half(g->s[1]), rd = half(g->t[1]);
+    const double es = 2 * p->m * p->noise, et = 2 * p->n * p->noise; /* rounding of differences of the net */
+    const double ra = half(g->s[0]) + es, rb = half(g->t[0]) + et, rc = half(g->s[1]) + es, rd = half(g->t[1]) + et;
     const double row0 = fabs(d) * (ra + rb) + fabs(b) * (rc + rd);
     const double row1 = fabs(c) * (ra + rb) + fabs(a) * (rc + rd);
     return fmax(row0, row1) / fabs(det);
@@ -341,7 +342,7 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         const double largest = fmax(fmax(-f1.lo, f1.hi), fmax(-f2.lo, f2.hi));
         const double width = fmax(fabs(at.d.uu) + fabs(at.d.uv), fabs(at.d.vu) + fabs(at.d.vv));
         const slopes g = net_slopes(&p, net);
-        if (deviation(&g) <= 0.125) v = newton(&p, net, &s, &r);
+        if (deviation(&p, &g) <= 0.125) v = newton(&p, net, &s, &r);
         const bool point = largest <= p.small && t.hi - t.lo <= p.small_t;
         if (v == UNDECIDED && (point || width <= 0x1p-50 || cells >= MAX_CELLS || depth + 4 > MAX_STACK)) v = ROOT;
         if (v == ROOT) {
@@ -403,7 +404,7 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
     const bool triangle = patch->kind == EP_KIND_TRIANGLE;
     ep_point local[MAX_POINTS];
     ep_patch_local(patch, local);
-    double u = field[3], v = field[4], k = *t - l.t0;
+    double u = field[3], v = field[4], k = *t - l.t0, step = INFINITY;
     ep_vec3 n = ep_v3(0, 0, 0);
     for (int i = 0; i < POLISH_STEPS; ++i) {
         ep_jet jet;
@@ -414,11 +415,14 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
         const double dk = ep_dot(n, r) / ep_dot(n, l.d); /* r + f.pu du + f.pv dv = d dk, by Cramer's rule */
         const ep_vec3 left = ep_sub(ep_scale(dk, l.d), r);
         const double nn = ep_dot(n, n);
-        u += ep_dot(ep_cross(left, f.pv), n) / nn;
-        v += ep_dot(ep_cross(f.pu, left), n) / nn;
+        const double du = ep_dot(ep_cross(left, f.pv), n) / nn, dv = ep_dot(ep_cross(f.pu, left), n) / nn;
+        u += du;
+        v += dv;
         k += dk;
+        step = fmax(fabs(du), fabs(dv));
         if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return EP_POLISHED_LOST;
     }
+    if (!(step <= 0x1p-26)) return EP_POLISHED_LOST; /* a double root, nearly */
     if (outside(triangle, u, v) > border) return EP_POLISHED_AWAY;
     *t = (float)(l.t0 + k);
     field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;

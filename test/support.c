@@ -34,7 +34,9 @@ static void random_axes(rng *r, double x[3], double y[3], double z[3])
 
 void random_patch(rng *r, patch_style style, bool triangle, patch_limits limits, test_patch *p)
 {
-    const unsigned m = 1 + rng_below(r, limits.most_degree), n = triangle ? m : 1 + rng_below(r, limits.most_degree);
+    unsigned m = 1 + rng_below(r, limits.most_degree);
+    if (m == 1 && triangle && style == STYLE_COLLAPSED) m = 2; /* else nothing but a segment is left */
+    const unsigned n = triangle ? m : 1 + rng_below(r, limits.most_degree);
     p->shape = (net_shape){triangle, m, n};
     const double noise = style == STYLE_WILD ? 0.7 : style == STYLE_FLAT ? 0 : rng_in(r, 0.02, 0.3);
     const double lift = style == STYLE_FLAT && rng_below(r, 2) ? rng_scale(r, 1e-7, 1e-3) : noise;
@@ -46,7 +48,8 @@ void random_patch(rng *r, patch_style style, bool triangle, patch_limits limits,
             const double a = i / (double)m + rng_in(r, -noise, noise) / m;
             const double b = style == STYLE_COLLAPSED && i == 0 ? 0 : j / (double)n + rng_in(r, -noise, noise) / n;
             const double h = style == STYLE_COLLAPSED && i == 0 ? 0 : rng_in(r, -lift, lift);
-            for (int c = 0; c < 3; ++c) to[c] = (style == STYLE_COLLAPSED && i == 0 ? 0 : a * x[c]) + b * y[c] + h * z[c];
+            for (int c = 0; c < 3; ++c)
+                to[c] = (style == STYLE_COLLAPSED && i == 0 ? 0 : a * x[c]) + b * y[c] + h * z[c];
             to[3] = limits.most_weight > 1 ? rng_scale(r, 1 / limits.most_weight, limits.most_weight) : 1;
         }
     /* half of them with a corner at the origin, where rounding is large compared with the coordinate */
@@ -173,7 +176,8 @@ const char *ray_text(const float org[3], const float dir[3])
     static char text[5][160];
     static unsigned next;
     char *t = text[next++ % 5];
-    snprintf(t, sizeof text[0], "org %.9g %.9g %.9g dir %.9g %.9g %.9g", org[0], org[1], org[2], dir[0], dir[1], dir[2]);
+    snprintf(t, sizeof text[0], "org %.9g %.9g %.9g dir %.9g %.9g %.9g", org[0], org[1], org[2], dir[0], dir[1],
+             dir[2]);
     return t;
 }
 

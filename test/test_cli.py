@@ -213,7 +213,14 @@ def bad_scenes():
     yield patched("[0, 0, 0]", "[0, 0, 0, 0]"), r":1:\d+: the weight is not positive"
     yield patched("[0, 0, 0]", "[0, 0, 0, -1]"), r":1:\d+: the weight is not positive"
     yield patched("[0, 0, 0]", "[0, 0, 0, 1e300]"), r":1:\d+: the weight is outside"
-    yield patched('"name"', '"trim": {"circle": {}}, "name"'), r":1:\d+: trims are not supported yet"
+    for trim, message in (('{"circle": {"r": 1}}', "a circle has no key 'r'"), ("{}", "a region is nothing"),
+                          ('{"circle": {}, "square": {}}', "a region is only one thing"),
+                          ('{"union": {}}', "union is an object, not an array"),
+                          ('{"difference": [{"circle": {}}]}', "a difference"),
+                          ('{"polygon": {"segments": [{"line": [[0, 0]]}]}}', "a line needs at least two points"),
+                          ('{"polygon": {"segments": [{"bezier": {"points": [[0, 0], [1, 1, 0]]}}]}}', "weight of point 2"),
+                          ('{"circle": {}, "transform": [1, 0, 0]}', "a transform has 3 numbers, not 6")):
+        yield patched('"name"', '"trim": %s, "name"' % trim), r":1:\d+: " + message
     for kind in ("nurbs", "quadratic_triangles", "phong_triangles", "pn_triangles", "subdivision"):
         yield scene({"type": kind}), rf":1:\d+: geometry of type '{kind}' is not supported yet"
     yield scene({"type": "bezier", "degree": [1, 1]}), r"needs 'patches'"
@@ -549,7 +556,7 @@ def test_bench():
     flat = write("flat.json", scene(dict(SADDLE, patches=[[[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]])))
     r = Run("bench", flat, "--stats", "bench.stats", "--all-threads", "--workloads", "random1", *BENCH)
     works(r)
-    check("\npatches / 8×8 " in r.out.decode() and "threads:" in r.out.decode(), f"bench: {r.out.decode()}")
+    check("\npatches / 8×8 " in r.out.decode() and " / 1 threads" in r.out.decode(), f"bench: {r.out.decode()}")
     b = json.load(open("bench.stats"))
     check(b["matched"]["n"] == 8 and b["matched"]["as_exact"], f"bench: matched {b['matched']}")
     check(list(b["patches"]["mrays_all_threads"]) == ["random1"], "bench --all-threads --workloads")

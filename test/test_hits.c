@@ -8,13 +8,13 @@
 static void triangles(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){1, 120, 480, true, false, {9, 1}, ALL_STYLES, 1, {0, 0, 0}, 0});
+    check_hits(&(hits_case){1, 48, 480, true, false, {9, 1}, ALL_STYLES, 1, {0, 0, 0}, 0});
 }
 
 static void tensors(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){2, 120, 480, false, true, {7, 1}, ALL_STYLES, 1, {0, 0, 0}, 0});
+    check_hits(&(hits_case){2, 64, 480, false, true, {7, 1}, ALL_STYLES, 1, {0, 0, 0}, 0});
 }
 
 static void mild_weights(void **state)
@@ -45,12 +45,9 @@ static void folds_of_high_degree(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(triangles),
-        cmocka_unit_test(tensors),
-        cmocka_unit_test(mild_weights),
-        cmocka_unit_test(weights_of_a_fiftieth_to_fifty),
-        cmocka_unit_test(bilinear_and_flat),
-        cmocka_unit_test(folds_of_high_degree),
+        cmocka_unit_test(triangles),         cmocka_unit_test(tensors),
+        cmocka_unit_test(mild_weights),      cmocka_unit_test(weights_of_a_fiftieth_to_fifty),
+        cmocka_unit_test(bilinear_and_flat), cmocka_unit_test(folds_of_high_degree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

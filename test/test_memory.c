@@ -14,7 +14,7 @@ static EPStatus add(EPGeometry g, const test_patch *p)
                : epAddBezierPatches(g, p->shape.m, p->shape.n, 1, EP_FORMAT_DOUBLE4, p->points, sizeof p->points[0]);
 }
 
-enum { PATCHES = 40 };
+enum { PATCHES = 16 };
 
 /* Adds all patches and commits; repeats a step that runs out of memory, which must have changed nothing. */
 static int build(EPGeometry g, const test_patch *p, long fail_at)
@@ -61,7 +61,7 @@ static void every_allocation_fails_once(void **state)
     static test_patch p[PATCHES];
     random_patches(p);
     EPBuildSettings settings = epDefaultBuildSettings();
-    settings.maxDepth = 6;
+    settings.maxDepth = 4;
     EPGeometry whole = new_geometry(p, PATCHES, &settings);
     EPStatistics want, got;
     epGetGeometryStatistics(whole, &want);
@@ -113,7 +113,8 @@ static void a_committed_geometry(void **state)
             if (what == 0) {
                 static double points[4 * 15 * 1000];
                 ep_alloc_fail_at(n);
-                failed = epAddBezierTriangles(s.geometry, 4, 1000, EP_FORMAT_DOUBLE3, points, 3 * sizeof(double)) != EP_OK;
+                failed =
+                    epAddBezierTriangles(s.geometry, 4, 1000, EP_FORMAT_DOUBLE3, points, 3 * sizeof(double)) != EP_OK;
             } else if (what == 1) {
                 static double points[3 * 4 * 1000];
                 points[3 * 4 * 1000 - 1] = NAN; /* found last, when room has been made */
@@ -127,8 +128,8 @@ static void a_committed_geometry(void **state)
             ep_alloc_fail_at(-1);
             for (uint64_t k = 0; failed && k < 50; ++k) {
                 const judge_answer after = trace_one(s.scene, org[k], dir[k], 0, INFINITY);
-                CHECK(after.t == before[k].t && after.u == before[k].u, "step %d, allocation %ld: %s: t %.9g, not %.9g", what, n,
-                      ray_text(org[k], dir[k]), after.t, before[k].t);
+                CHECK(after.t == before[k].t && after.u == before[k].u, "step %d, allocation %ld: %s: t %.9g, not %.9g",
+                      what, n, ray_text(org[k], dir[k]), after.t, before[k].t);
             }
             free_scene(&s);
         }

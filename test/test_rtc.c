@@ -88,7 +88,8 @@ static void widths_agree(void **state)
             }
             const judge_answer one = trace_one(s.scene, org[i], dir[i], 0, INFINITY), many = answer_of(&p, n, i);
             CHECK(same_answer(&one, &many), "width %u: %s: patch %d t %a u %a v %a, alone patch %d t %a u %a v %a", n,
-                  ray_text(org[i], dir[i]), (int)many.patch, many.t, many.u, many.v, (int)one.patch, one.t, one.u, one.v);
+                  ray_text(org[i], dir[i]), (int)many.patch, many.t, many.u, many.v, (int)one.patch, one.t, one.u,
+                  one.v);
         }
     }
     free_scene(&s);
@@ -114,8 +115,8 @@ static void occluded_agrees(void **state)
         for (unsigned i = 0; i < n; ++i) {
             const bool hit = trace_one(s.scene, org[i], dir[i], 0, tfar[i]).t < INFINITY;
             const float after = get_float(&p, n, EP_RAY_TFAR, i);
-            CHECK(hit ? after == -INFINITY : after == tfar[i], "width %u: %s: hit %d, tfar %g", n, ray_text(org[i], dir[i]),
-                  hit, after);
+            CHECK(hit ? after == -INFINITY : after == tfar[i], "width %u: %s: hit %d, tfar %g", n,
+                  ray_text(org[i], dir[i]), hit, after);
         }
     }
     free_scene(&s);
@@ -161,7 +162,8 @@ static test_scene filtered(const test_patch *p, unsigned max_depth)
     return s;
 }
 
-/* Refusing the first k roots gives root k, or a miss with tfar as it was; within one leaf the roots come nearest first. */
+/* Refusing the first k roots gives root k, or a miss with tfar as it was; within one leaf the roots come nearest first.
+ */
 static void filters(void **state)
 {
     (void)state;
@@ -238,8 +240,8 @@ static void query_filters(void **state)
         set_ray(&packet, 1, 0, org, dir, 0, 5);
         rtcIntersect1(scene, &context, (struct RTCRayHit *)packet.f);
         const bool hit = get_id(&packet, 1, HIT_GEOM, 0) != RTC_INVALID_GEOMETRY_ID;
-        CHECK(hit == (refuse < 3) && filter_log.asked[0] >= 1 && filter_log.asked[0] <= 3, "refuse %d: hit %d, asked %d",
-              refuse, hit, filter_log.asked[0]);
+        CHECK(hit == (refuse < 3) && filter_log.asked[0] >= 1 && filter_log.asked[0] <= 3,
+              "refuse %d: hit %d, asked %d", refuse, hit, filter_log.asked[0]);
     }
     rtcReleaseScene(scene);
     epReleaseGeometry(geometry);
@@ -329,8 +331,8 @@ static void instances(void **state)
             }
             CHECK(hit, "patch %d: %s missed", (int)k, ray_text(org, dir));
             const float t = get_float(&packet, n, EP_RAY_TFAR, n - 1);
-            CHECK(fabs(t - roots[0].t_low) < 1e-4 * (t + 1), "patch %d: %s: t %.9g, not %.9g", (int)k, ray_text(org, dir), t,
-                  roots[0].t_low);
+            CHECK(fabs(t - roots[0].t_low) < 1e-4 * (t + 1), "patch %d: %s: t %.9g, not %.9g", (int)k,
+                  ray_text(org, dir), t, roots[0].t_low);
             assert_int_equal(get_id(&packet, n, HIT_INST, n - 1), 7);
             assert_int_equal(get_id(&packet, n, HIT_PRIM, n - 1), 0);
         }
@@ -405,8 +407,8 @@ static void ids(void **state)
     rtcReleaseDevice(device);
 }
 
-/* Directions of no length or nearly none, and origins as far as Embree takes them; what it does not take, such as NaN, is
- * asked of the kernels themselves in test_kernels.c. */
+/* Directions of no length or nearly none, and origins as far as Embree takes them; what it does not take, such as NaN,
+ * is asked of the kernels themselves in test_kernels.c. */
 static void extreme_rays(void **state)
 {
     (void)state;
@@ -458,14 +460,18 @@ static void threads(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(widths_agree),    cmocka_unit_test(occluded_agrees),
+        cmocka_unit_test(widths_agree),
+        cmocka_unit_test(occluded_agrees),
         cmocka_unit_test(filters),
 #if EP_EMBREE == 3
         cmocka_unit_test(query_filters),
 #endif
-        cmocka_unit_test(strict_interval), cmocka_unit_test(interval_of_all_roots),
-        cmocka_unit_test(instances),       cmocka_unit_test(masks),
-        cmocka_unit_test(ids),             cmocka_unit_test(extreme_rays),
+        cmocka_unit_test(strict_interval),
+        cmocka_unit_test(interval_of_all_roots),
+        cmocka_unit_test(instances),
+        cmocka_unit_test(masks),
+        cmocka_unit_test(ids),
+        cmocka_unit_test(extreme_rays),
         cmocka_unit_test(threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

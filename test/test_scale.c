@@ -81,8 +81,12 @@ static void powers_of_two(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_at_3000),   cmocka_unit_test(one_at_3000_rational), cmocka_unit_test(tiny_seen_from_4),
-        cmocka_unit_test(tiny_at_10000), cmocka_unit_test(huge),                 cmocka_unit_test(from_a_thousand_away),
+        cmocka_unit_test(one_at_3000),
+        cmocka_unit_test(one_at_3000_rational),
+        cmocka_unit_test(tiny_seen_from_4),
+        cmocka_unit_test(tiny_at_10000),
+        cmocka_unit_test(huge),
+        cmocka_unit_test(from_a_thousand_away),
         cmocka_unit_test(powers_of_two),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

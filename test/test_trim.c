@@ -56,7 +56,7 @@ typedef struct walk {
     ep_trim_store store;
 } walk;
 
-static void point_in(const ep_domain *d, rng *r, double *x, double *y)
+static void point_in(const ep_trim_domain *d, rng *r, double *x, double *y)
 {
     double sum = 0;
     *x = *y = 0;
@@ -68,7 +68,7 @@ static void point_in(const ep_domain *d, rng *r, double *x, double *y)
     *x /= sum, *y /= sum;
 }
 
-static void check_domain(walk *w, const ep_domain *d, const ep_trim_part *part)
+static void check_domain(walk *w, const ep_trim_domain *d, const ep_trim_part *part)
 {
     float u[16], v[16];
     uint32_t want = 0;
@@ -97,7 +97,7 @@ static void check_domain(walk *w, const ep_domain *d, const ep_trim_part *part)
 }
 
 /* Domains of a hierarchy: halves of rectangles, and triangles cut from an edge. */
-static void walk_domain(walk *w, const ep_domain *d, const ep_trim_part *parent, int depth)
+static void walk_domain(walk *w, const ep_trim_domain *d, const ep_trim_part *parent, int depth)
 {
     ep_message m;
     ep_trim_part part;
@@ -106,7 +106,7 @@ static void walk_domain(walk *w, const ep_domain *d, const ep_trim_part *parent,
     if (depth < 8 && part.state == EP_TRIM_CROSSED) {
         const double f = rng_below(&w->r, 2) ? 0.5 : rng_in(&w->r, 0.1, 0.9);
         for (int side = 0; side < 2; ++side) {
-            ep_domain half;
+            ep_trim_domain half;
             if (d->count == 3) {
                 const unsigned k = (unsigned)depth % 3;
                 double mid[2];
@@ -137,8 +137,8 @@ static void domains(void **state)
         if (!wanted(k)) continue;
         walk w = {.number = k, .shape = shape_of_case(k), .r = rng_split(4, 2, k)};
         w.trim = new_trim((trim_shape *)w.shape);
-        const ep_domain square = ep_domain_rectangle(0, 1, 0, 1, 0x1p-20);
-        const ep_domain triangle = ep_domain_polygon(3, (const ep_point2[]){{0, 0}, {1, 0}, {0, 1}}, 0x1p-20);
+        const ep_trim_domain square = ep_domain_rectangle(0, 1, 0, 1, 0x1p-20);
+        const ep_trim_domain triangle = ep_domain_polygon(3, (const ep_point2[]){{0, 0}, {1, 0}, {0, 1}}, 0x1p-20);
         walk_domain(&w, k & 1 ? &square : &triangle, &w.trim->root, 0);
         ep_free(w.store.words);
         ep_trim_free((ep_trim *)w.trim);

@@ -228,7 +228,7 @@ static bool session(const trim_shape *s)
     ep_region *r = ep_region_new();
     EPStatus status = r ? build_shape(r, s, &m) : EP_NO_MEMORY;
     if (!status) status = ep_trim_new(r, &t, &m);
-    const ep_domain d = ep_domain_rectangle(0, 0.75, 0, 0.5, 0);
+    const ep_trim_domain d = ep_domain_rectangle(0, 0.75, 0, 0.5, 0);
     if (!status) status = ep_trim_cut(t, &t->root, &d, &part, &m);
     uint32_t node;
     if (!status) status = ep_trim_keep(t, &part, &d, &store, &node, &m);

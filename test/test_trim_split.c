@@ -20,7 +20,7 @@ typedef struct walk {
     size_t leaves[3];
 } walk;
 
-static double area_of(const ep_domain *d)
+static double area_of(const ep_trim_domain *d)
 {
     double sum = 0;
     for (unsigned i = 1; i + 1 < d->count; ++i)
@@ -29,7 +29,7 @@ static double area_of(const ep_domain *d)
     return 0.5 * sum;
 }
 
-static void check_leaf(walk *w, const ep_domain *d, const ep_trim_part *part)
+static void check_leaf(walk *w, const ep_trim_domain *d, const ep_trim_part *part)
 {
     ep_message m;
     uint32_t node = 0;
@@ -56,7 +56,7 @@ static void walk_triangle(walk *w, const ep_point2 t[3], const ep_trim_part *par
 {
     ep_message m;
     ep_trim_part part;
-    const ep_domain d = ep_domain_polygon(3, t, seam);
+    const ep_trim_domain d = ep_domain_polygon(3, t, seam);
     if (ep_trim_cut(w->trim, parent, &d, &part, &m)) FAIL("%s", m.text);
     if (part.state != EP_TRIM_CROSSED || area_of(&d) <= w->smallest) {
         check_leaf(w, &d, &part);
@@ -66,7 +66,7 @@ static void walk_triangle(walk *w, const ep_point2 t[3], const ep_trim_part *par
         ep_trim_split_triangle(w->trim, &part, t, 0.04, &s);
         double sum = 0;
         for (unsigned i = 0; i < s.count; ++i) {
-            const ep_domain k = ep_domain_polygon(3, s.corner[i], 0);
+            const ep_trim_domain k = ep_domain_polygon(3, s.corner[i], 0);
             sum += area_of(&k);
             walk_triangle(w, s.corner[i], &part, depth + 1);
         }
@@ -79,7 +79,7 @@ static void walk_rectangle(walk *w, const ep_point2 lo, const ep_point2 hi, cons
 {
     ep_message m;
     ep_trim_part part;
-    const ep_domain d = ep_domain_rectangle(lo[0], hi[0], lo[1], hi[1], seam);
+    const ep_trim_domain d = ep_domain_rectangle(lo[0], hi[0], lo[1], hi[1], seam);
     if (ep_trim_cut(w->trim, parent, &d, &part, &m)) FAIL("%s", m.text);
     if (part.state != EP_TRIM_CROSSED || area_of(&d) <= w->smallest) {
         check_leaf(w, &d, &part);
@@ -169,7 +169,7 @@ static void narrow_domains(void **state)
     ep_trim *trim = new_trim(s);
     ep_message m;
     for (double height = 1; height > 1e-12; height *= 0.1) {
-        const ep_domain d = ep_domain_rectangle(0, 1, 0, height, seam);
+        const ep_trim_domain d = ep_domain_rectangle(0, 1, 0, height, seam);
         ep_trim_part part;
         assert_int_equal(ep_trim_cut(trim, &trim->root, &d, &part, &m), EP_OK);
         assert_int_equal(part.state, EP_TRIM_CROSSED);

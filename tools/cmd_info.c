@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/args.h"
 #include "tools/commands.h"
+#include "tools/domain_svg.h"
 #include "tools/report.h"
 #include "tools/stats.h"
 #include "tools/trace.h"
@@ -11,7 +12,8 @@
 #include <string.h>
 
 typedef struct info_command {
-    const char *scene, *rays;
+    const char *scene, *rays, *svg;
+    unsigned patch;
     bool json;
     world_options world;
 } info_command;
@@ -198,7 +200,10 @@ static bool run(info_command *c, const trace_ray *rays, size_t count)
 
     scene *s = scene_read(c->scene);
     world *w = s ? world_new(s, &c->world) : NULL;
-    if (w && (!rays || trace_rays(w, rays, count, &trace, NULL, &traced))) done = describe(c, w, rays ? &traced : NULL);
+    if (w && (!rays || trace_rays(w, rays, count, &trace, NULL, &traced))) {
+        done = !c->svg || domain_svg_write(w, c->patch, c->svg);
+        done = done && describe(c, w, rays ? &traced : NULL);
+    }
     world_free(w);
     scene_free(s);
     return done;
@@ -210,6 +215,8 @@ int cmd_info(int argc, char **argv)
     const arg_option options[] = {
         ARG_FLAG("--json", &c.json, "one JSON object instead of the table"),
         ARG_STRING("--rays", "FILE", &c.rays, "trace these rays too, and tell what they cost"),
+        ARG_STRING("--svg", "FILE", &c.svg, "draw the domain of a patch there: its leaves and its trim curves"),
+        ARG_UNSIGNED("--patch", "N", &c.patch, 0, UINT32_MAX, "the patch to draw, counted through all geometries (0)"),
         ARG_UNSIGNED("--threads", "N", &c.world.threads, 0, 1024, "at most so many threads; 0: all (0)"),
     };
     const arg_table table = {"info SCENE", "Tells what is in a scene, and the statistics of its hierarchy.",
@@ -219,6 +226,8 @@ int cmd_info(int argc, char **argv)
     if (status != ARGS_GO) return status;
     if (c.rays && !strcmp(c.scene, "-") && !strcmp(c.rays, "-"))
         return args_wrong(&table, "the scene and the rays cannot both come from standard input");
+
+    if (c.svg && !strcmp(c.svg, "-")) return args_wrong(&table, "--svg needs the name of a file");
 
     trace_ray *rays = NULL;
     size_t count = 0;

@@ -77,7 +77,7 @@ double *geometry_add_patch(scene_geometry *g, patch_kind kind, unsigned degree_u
     if (!points) return NULL;
     g->points = points;
 
-    patches[g->patch_count++] = (patch){kind, degree_u, degree_v, g->point_count, false};
+    patches[g->patch_count++] = (patch){kind, degree_u, degree_v, g->point_count, false, NULL};
     g->point_count += n;
     return points + 4 * (g->point_count - n);
 }
@@ -169,6 +169,7 @@ void scene_free(scene *s)
     for (size_t i = 0; i < s->geometry_count; ++i) {
         free(s->geometries[i].name);
         free(s->geometries[i].points);
+        for (size_t k = 0; k < s->geometries[i].patch_count; ++k) epReleaseRegion(s->geometries[i].patches[k].trim);
         free(s->geometries[i].patches);
     }
     for (size_t i = 0; i < s->object_count; ++i) free(s->objects[i].material);

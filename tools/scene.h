@@ -17,6 +17,7 @@ typedef struct patch {
     unsigned degree_u, degree_v; /* equal for triangles */
     size_t first;                /* index of its first point */
     bool rational;               /* some weight differs from 1 */
+    EPRegion trim;               /* NULL: untrimmed; holds a reference */
 } patch;
 
 typedef struct scene_geometry {

@@ -50,9 +50,17 @@ static size_t triangles_of(patch_kind kind, size_t n)
     return (kind == PATCH_TENSOR ? 2 : 1) * n * n;
 }
 
-static void fill_patch(EPGeometry surface, uint32_t index, patch_kind kind, uint32_t n, float *vertices,
+/* Is the triangle's middle outside of the trim? */
+static bool left_out(EPRegion trim, cell c, uint32_t n)
+{
+    const double third = c.upper ? 2.0 / 3 : 1.0 / 3;
+    return trim && !epIsInRegion(trim, (c.i + third) / n, (c.j + third) / n);
+}
+
+static void fill_patch(EPGeometry surface, uint32_t index, const patch *p, uint32_t n, float *vertices,
                        size_t first_vertex, uint32_t *triangles)
 {
+    const patch_kind kind = p->kind;
     float *to = vertices + 3 * first_vertex;
     for (uint32_t j = 0; j <= n; ++j)
         for (uint32_t i = 0; i <= (kind == PATCH_TENSOR ? n : n - j); ++i) {
@@ -64,6 +72,10 @@ static void fill_patch(EPGeometry surface, uint32_t index, patch_kind kind, uint
     size_t count = triangles_of(kind, n);
     for (size_t k = 0; k < count; ++k, triangles += 3) {
         cell c = cell_of(kind, n, (uint32_t)k);
+        if (left_out(p->trim, c, n)) { /* a triangle without area is never hit, and the others keep their numbers */
+            triangles[0] = triangles[1] = triangles[2] = (uint32_t)first_vertex;
+            continue;
+        }
         uint32_t a = c.upper, b = !c.upper; /* an upper triangle starts at the far corner and goes back */
         triangles[0] = (uint32_t)(first_vertex + vertex_of(kind, n, c.i + a, c.j + a));
         triangles[1] = (uint32_t)(first_vertex + vertex_of(kind, n, c.i + b, c.j + a));
@@ -103,7 +115,7 @@ bool tessellate(const char *path, const scene_geometry *g, EPGeometry surface, u
     }
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (size_t i = 0; i < g->patch_count; ++i)
-        fill_patch(surface, (uint32_t)i, g->patches[i].kind, n, t->vertices, first_vertex[i],
+        fill_patch(surface, (uint32_t)i, &g->patches[i], n, t->vertices, first_vertex[i],
                    t->triangles + 3 * (size_t)t->first[i]);
     free(first_vertex);
     return true;

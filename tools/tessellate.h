@@ -16,7 +16,8 @@ typedef struct tessellation {
 } tessellation;
 
 /* Every tensor patch becomes 2 n^2 triangles, every triangular one n^2. Vertices are evaluated in double, rounded to
- * float and shared within a patch. False after a message, which names `path`. */
+ * float and shared within a patch. Of a trimmed patch the triangles whose middle is outside are left out, so that its
+ * border is a saw with teeth of the grid's size. False after a message, which names `path`. */
 bool tessellate(const char *path, const scene_geometry *g, EPGeometry surface, unsigned n, int threads,
                 tessellation *t);
 void tessellation_free(tessellation *t);

@@ -139,11 +139,20 @@ static EPStatus add_patches(EPGeometry e, const scene_geometry *g)
     return status;
 }
 
+static EPStatus trim_patches(EPGeometry e, const scene_geometry *g)
+{
+    EPStatus status = EP_OK;
+    for (size_t i = 0; i < g->patch_count && status == EP_OK; ++i)
+        if (g->patches[i].trim) status = epSetPatchTrim(e, (uint32_t)i, 1, g->patches[i].trim);
+    return status;
+}
+
 static bool build_geometry(world *w, size_t i, const world_options *o, int threads)
 {
     const scene_geometry *g = &w->scene->geometries[i];
     EPGeometry e = w->geometries[i] = epNewGeometry();
     if (surface_failed(w, i, e ? add_patches(e, g) : EP_NO_MEMORY)) return false;
+    if (surface_failed(w, i, trim_patches(e, g))) return false;
 
     if (o->tessellation) {
         tessellation *t = &w->p->tessellations[i];

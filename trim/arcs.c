@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trim/arcs.h"
 
-bool ep_arcs_find(const ep_trim *t, const ep_trim_part *part, const ep_domain *d, ep_arcs *a)
+bool ep_arcs_find(const ep_trim *t, const ep_trim_part *part, const ep_trim_domain *d, ep_arcs *a)
 {
     a->pieces = a->count = 0;
     if (part->pieces > EP_ARC_PIECES) return false;

@@ -17,7 +17,7 @@ typedef struct ep_arcs {
 } ep_arcs;
 
 /* False when there are too many. */
-bool ep_arcs_find(const ep_trim *t, const ep_trim_part *part, const ep_domain *d, ep_arcs *a);
+bool ep_arcs_find(const ep_trim *t, const ep_trim_part *part, const ep_trim_domain *d, ep_arcs *a);
 
 /* Between the lines n·p = lo and n·p = hi; n has unit length. */
 typedef struct ep_strip {

@@ -42,11 +42,11 @@ static void set_size(keeper *k, size_t head)
 
 /* A strip in five words, and how much of the domain's width it takes: 1 when there is none that leaves much beside
  * it. */
-static void find_strip(keeper *k, const ep_trim_part *part, const ep_domain *d, uint32_t words[5], double *share)
+static void find_strip(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, uint32_t words[5], double *share)
 {
     *share = 1;
     ep_arcs arcs;
-    const ep_domain settled = ep_domain_settle(d, k->trim->scale);
+    const ep_trim_domain settled = ep_domain_settle(d, k->trim->scale);
     if (!ep_arcs_find(k->trim, part, &settled, &arcs) || !arcs.count) return;
     const ep_strip strip = ep_strip_around(arcs.point, arcs.count);
     const double *n = strip.n;
@@ -85,7 +85,7 @@ static void find_strip(keeper *k, const ep_trim_part *part, const ep_domain *d, 
 typedef struct halving {
     int axis;
     float at;
-    ep_domain domain[2];
+    ep_trim_domain domain[2];
     ep_trim_part part[2];
 } halving;
 
@@ -104,7 +104,8 @@ static void free_halving(halving *h)
 }
 
 /* `possible` is false when the domain is too narrow. */
-static EPStatus halve(keeper *k, const ep_trim_part *part, const ep_domain *d, int axis, halving *h, bool *possible)
+static EPStatus halve(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, int axis, halving *h,
+                      bool *possible)
 {
     ep_point2 lo, hi;
     ep_domain_bounds(d, lo, hi);
@@ -125,7 +126,8 @@ static EPStatus halve(keeper *k, const ep_trim_part *part, const ep_domain *d, i
 }
 
 /* The better of the two ways; `found` is false when neither sorts the pieces. */
-static EPStatus choose(keeper *k, const ep_trim_part *part, const ep_domain *d, double most, halving *best, bool *found)
+static EPStatus choose(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, double most, halving *best,
+                       bool *found)
 {
     *found = false;
     for (int axis = 0; axis < 2; ++axis) {
@@ -148,7 +150,7 @@ static EPStatus choose(keeper *k, const ep_trim_part *part, const ep_domain *d, 
     return EP_OK;
 }
 
-static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_domain *d, double most, unsigned depth);
+static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, double most, unsigned depth);
 
 static EPStatus keep_halves(keeper *k, halving *h, double most, unsigned depth)
 {
@@ -162,7 +164,7 @@ static EPStatus keep_halves(keeper *k, halving *h, double most, unsigned depth)
 }
 
 /* `most` entries may be stored for the part. */
-static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_domain *d, double most, unsigned depth)
+static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, double most, unsigned depth)
 {
     if (part->state != EP_TRIM_CROSSED) {
         const uint32_t bit = part->state == EP_TRIM_INSIDE ? EP_NODE_BIT3 : 0;
@@ -188,7 +190,7 @@ static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_domain *d, do
     return s;
 }
 
-EPStatus ep_trim_keep(const ep_trim *trim, const ep_trim_part *part, const ep_domain *domain, ep_trim_store *store,
+EPStatus ep_trim_keep(const ep_trim *trim, const ep_trim_part *part, const ep_trim_domain *domain, ep_trim_store *store,
                       uint32_t *node, ep_message *m)
 {
     keeper k = {.trim = trim, .store = store, .message = m};

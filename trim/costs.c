@@ -10,7 +10,8 @@
 /* Measured with gcc 12 -O3 on a two-core Xeon that others used, too. */
 const ep_trim_costs ep_trim_usual_costs = {5, 8, 15, 2.5, 3, 400};
 
-double ep_trim_expect(const ep_trim *trim, const ep_trim_part *part, const ep_domain *domain, const ep_trim_costs *c)
+double ep_trim_expect(const ep_trim *trim, const ep_trim_part *part, const ep_trim_domain *domain,
+                      const ep_trim_costs *c)
 {
     if (part->state != EP_TRIM_CROSSED) return 0;
     ep_arcs arcs;
@@ -108,7 +109,7 @@ static EPStatus time_sweeps(unsigned degree, int sweeps, const samples *points, 
     for (int i = 0; i < sweeps && !s; ++i) s = add_sweep(r, degree, 0.2 + 0.1 * i, m);
     if (!s) s = ep_region_end(r, m);
     if (!s) s = ep_trim_new(r, &t, m);
-    const ep_domain d = ep_domain_rectangle(0, 1, 0, 1, 0);
+    const ep_trim_domain d = ep_domain_rectangle(0, 1, 0, 1, 0);
     const double start = now();
     if (!s) s = ep_trim_cut(t, &t->root, &d, &part, m);
     if (!s) *cut = (now() - start) / (double)t->piece_count;

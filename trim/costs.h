@@ -21,7 +21,8 @@ extern const ep_trim_costs ep_trim_usual_costs;
 
 /* Expected time to test a point somewhere in the domain against the part as ep_trim_keep() stores it. A hierarchy may
  * stop dividing a crossed domain when this is less than passing another level costs. */
-double ep_trim_expect(const ep_trim *trim, const ep_trim_part *part, const ep_domain *domain, const ep_trim_costs *c);
+double ep_trim_expect(const ep_trim *trim, const ep_trim_part *part, const ep_trim_domain *domain,
+                      const ep_trim_costs *c);
 
 /* Measures them; takes about a tenth of a second. */
 EPStatus ep_trim_measure(ep_trim_costs *costs, ep_message *m);

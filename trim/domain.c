@@ -6,9 +6,9 @@
 #include <float.h>
 #include <string.h>
 
-ep_domain ep_domain_polygon(unsigned count, const ep_point2 *corners, double margin)
+ep_trim_domain ep_domain_polygon(unsigned count, const ep_point2 *corners, double margin)
 {
-    ep_domain d = {.count = count, .margin = margin};
+    ep_trim_domain d = {.count = count, .margin = margin};
     double area = 0;
     for (unsigned i = 1; i + 1 < count; ++i)
         area += (corners[i][0] - corners[0][0]) * (corners[i + 1][1] - corners[0][1]) -
@@ -17,20 +17,20 @@ ep_domain ep_domain_polygon(unsigned count, const ep_point2 *corners, double mar
     return d;
 }
 
-ep_domain ep_domain_rectangle(double u0, double u1, double v0, double v1, double margin)
+ep_trim_domain ep_domain_rectangle(double u0, double u1, double v0, double v1, double margin)
 {
-    return (ep_domain){4, {{u0, v0}, {u1, v0}, {u1, v1}, {u0, v1}}, margin};
+    return (ep_trim_domain){4, {{u0, v0}, {u1, v0}, {u1, v1}, {u0, v1}}, margin};
 }
 
 /* Less than 2^8 roundings, up to degree 25. */
-double ep_domain_rounding(const ep_domain *d, double scale)
+double ep_domain_rounding(const ep_trim_domain *d, double scale)
 {
     for (unsigned i = 0; i < d->count; ++i) scale = fmax(scale, fmax(fabs(d->corner[i][0]), fabs(d->corner[i][1])));
     return fmax(0x1p-45 * scale, DBL_MIN);
 }
 
 /* The least distance between two parallels that hold the polygon. */
-static double height(const ep_domain *d)
+static double height(const ep_trim_domain *d)
 {
     double least = INFINITY;
     for (unsigned i = 0; i < d->count; ++i) {
@@ -44,15 +44,15 @@ static double height(const ep_domain *d)
     return least < INFINITY ? least : 0;
 }
 
-ep_domain ep_domain_settle(const ep_domain *d, double scale)
+ep_trim_domain ep_domain_settle(const ep_trim_domain *d, double scale)
 {
-    ep_domain out = *d;
+    ep_trim_domain out = *d;
     if (out.margin < 0) out.margin = fmax(out.margin, -0x1p-4 * height(d));
     out.margin += ep_domain_rounding(d, scale);
     return out;
 }
 
-void ep_domain_bounds(const ep_domain *d, ep_point2 lo, ep_point2 hi)
+void ep_domain_bounds(const ep_trim_domain *d, ep_point2 lo, ep_point2 hi)
 {
     for (int c = 0; c < 2; ++c) {
         lo[c] = hi[c] = d->corner[0][c];
@@ -63,7 +63,7 @@ void ep_domain_bounds(const ep_domain *d, ep_point2 lo, ep_point2 hi)
     }
 }
 
-void ep_domain_centre(const ep_domain *d, ep_point2 out)
+void ep_domain_centre(const ep_trim_domain *d, ep_point2 out)
 {
     for (int c = 0; c < 2; ++c) {
         out[c] = 0;
@@ -71,10 +71,10 @@ void ep_domain_centre(const ep_domain *d, ep_point2 out)
     }
 }
 
-bool ep_domain_clip(const ep_domain *d, int axis, double c, bool above, ep_domain *out)
+bool ep_domain_clip(const ep_trim_domain *d, int axis, double c, bool above, ep_trim_domain *out)
 {
     const double sign = above ? 1 : -1;
-    ep_domain q = {.margin = d->margin};
+    ep_trim_domain q = {.margin = d->margin};
     bool inside = false;
     for (unsigned i = 0; i < d->count; ++i) {
         const double *a = d->corner[i], *b = d->corner[(i + 1) % d->count];
@@ -98,13 +98,13 @@ typedef struct edge {
     double x, y, nx, ny, offset;
 } edge;
 typedef struct edges {
-    const ep_domain *domain;
+    const ep_trim_domain *domain;
     edge edge[EP_DOMAIN_CORNERS];
     unsigned count;
     double size; /* the larger side of its box */
 } edges;
 
-static void find_edges(const ep_domain *d, edges *e)
+static void find_edges(const ep_trim_domain *d, edges *e)
 {
     e->domain = d;
     e->count = 0;
@@ -120,7 +120,7 @@ static void find_edges(const ep_domain *d, edges *e)
 }
 
 /* Compared with the middle of what the margin leaves of the domain on that level. */
-ep_beyond ep_domain_beyond(const ep_domain *d, const ep_point2 end)
+ep_beyond ep_domain_beyond(const ep_trim_domain *d, const ep_point2 end)
 {
     ep_point2 lo, hi;
     ep_domain_bounds(d, lo, hi);
@@ -157,7 +157,7 @@ static bool is_apart(const edges *e, const ep_point2h *p, unsigned n)
         while (out <= n && outside(&e->edge[k], p[out]) > 0) ++out;
         if (out == n + 1) return true;
     }
-    const ep_domain *d = e->domain;
+    const ep_trim_domain *d = e->domain;
     const double x = p[0][0] / p[0][2], y = p[0][1] / p[0][2];
     const double nx = y - p[n][1] / p[n][2], ny = p[n][0] / p[n][2] - x;
     /* what lies within the margin goes no further out than its corners; a seam's inner border is rounded by less */
@@ -204,7 +204,7 @@ static bool clip_segment(const edges *e, const ep_point2h *p, double t[2])
     return t[0] <= t[1];
 }
 
-static bool boxes_meet(const ep_domain *d, const ep_piece *p)
+static bool boxes_meet(const ep_trim_domain *d, const ep_piece *p)
 {
     ep_point2 lo, hi;
     ep_domain_bounds(d, lo, hi);
@@ -212,7 +212,7 @@ static bool boxes_meet(const ep_domain *d, const ep_piece *p)
            p->low[1] <= hi[1] + d->margin && p->high[1] >= lo[1] - d->margin;
 }
 
-bool ep_domain_meets(const ep_domain *d, const ep_piece *p, const ep_point2h *points)
+bool ep_domain_meets(const ep_trim_domain *d, const ep_piece *p, const ep_point2h *points)
 {
     if (!boxes_meet(d, p)) return false;
     edges e;
@@ -242,7 +242,7 @@ static bool gather(arcs *a, const ep_point2h *p, unsigned n)
     return true;
 }
 
-bool ep_domain_arcs(const ep_domain *d, const ep_piece *p, const ep_point2h *points, ep_point2 *out, unsigned room,
+bool ep_domain_arcs(const ep_trim_domain *d, const ep_piece *p, const ep_point2h *points, ep_point2 *out, unsigned room,
                     unsigned *count)
 {
     if (!boxes_meet(d, p)) return true;

@@ -13,26 +13,26 @@
 
 enum { EP_DOMAIN_CORNERS = 8 };
 
-typedef struct ep_domain {
+typedef struct ep_trim_domain {
     unsigned count; /* of corners, counter-clockwise */
     ep_point2 corner[EP_DOMAIN_CORNERS];
     double margin;
-} ep_domain;
+} ep_trim_domain;
 
 /* A convex polygon of 3 or 4 corners, in either sense; it may have no area. */
-ep_domain ep_domain_polygon(unsigned count, const ep_point2 *corners, double margin);
-ep_domain ep_domain_rectangle(double u0, double u1, double v0, double v1, double margin);
+ep_trim_domain ep_domain_polygon(unsigned count, const ep_point2 *corners, double margin);
+ep_trim_domain ep_domain_rectangle(double u0, double u1, double v0, double v1, double margin);
 
 /* More than evaluating curves and edges rounds, for curves and a domain with coordinates up to `scale`. */
-double ep_domain_rounding(const ep_domain *d, double scale);
+double ep_domain_rounding(const ep_trim_domain *d, double scale);
 /* With the margin that decides: rounding added, and a seam no wider than a sixteenth of the domain's height. */
-ep_domain ep_domain_settle(const ep_domain *d, double scale);
+ep_trim_domain ep_domain_settle(const ep_trim_domain *d, double scale);
 
-void ep_domain_bounds(const ep_domain *d, ep_point2 lo, ep_point2 hi);
-void ep_domain_centre(const ep_domain *d, ep_point2 out);
+void ep_domain_bounds(const ep_trim_domain *d, ep_point2 lo, ep_point2 hi);
+void ep_domain_centre(const ep_trim_domain *d, ep_point2 out);
 
 /* The part of the domain where coordinate `axis` is at most (at least) c. False when that has no area. */
-bool ep_domain_clip(const ep_domain *d, int axis, double c, bool above, ep_domain *out);
+bool ep_domain_clip(const ep_trim_domain *d, int axis, double c, bool above, ep_trim_domain *out);
 
 /* How a piece that enters the domain is to count for points beyond one of its ends (part.c). */
 typedef enum ep_beyond {
@@ -42,14 +42,14 @@ typedef enum ep_beyond {
                          on straight up or down; only points in a seam or margin are there          */
 } ep_beyond;
 /* For an end in the domain one of the first two, and always the same. */
-ep_beyond ep_domain_beyond(const ep_domain *d, const ep_point2 end);
+ep_beyond ep_domain_beyond(const ep_trim_domain *d, const ep_point2 end);
 
 /* Can the piece enter the domain or its margin? Never false when it does. */
-bool ep_domain_meets(const ep_domain *d, const ep_piece *p, const ep_point2h *points);
+bool ep_domain_meets(const ep_trim_domain *d, const ep_piece *p, const ep_point2h *points);
 
 /* Points whose convex hull holds all of the piece that is in the domain or its margin. They are appended to the `count`
  * points in `out`; false when there is no room for them in `room`. */
-bool ep_domain_arcs(const ep_domain *d, const ep_piece *p, const ep_point2h *points, ep_point2 *out, unsigned room,
+bool ep_domain_arcs(const ep_trim_domain *d, const ep_piece *p, const ep_point2h *points, ep_point2 *out, unsigned room,
                     unsigned *count);
 
 #endif

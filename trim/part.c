@@ -21,7 +21,7 @@
 
 typedef struct cutter {
     const ep_trim *trim;
-    const ep_domain *domain;
+    const ep_trim_domain *domain;
     ep_point2 at; /* a point in the domain */
     uint32_t *out;
     size_t count, pieces;
@@ -80,12 +80,12 @@ static ep_trim_state cut_node(cutter *c, const uint32_t *node)
     return EP_TRIM_CROSSED;
 }
 
-EPStatus ep_trim_cut(const ep_trim *trim, const ep_trim_part *parent, const ep_domain *domain, ep_trim_part *part,
+EPStatus ep_trim_cut(const ep_trim *trim, const ep_trim_part *parent, const ep_trim_domain *domain, ep_trim_part *part,
                      ep_message *m)
 {
     *part = (ep_trim_part){.state = parent->state};
     if (parent->state != EP_TRIM_CROSSED) return EP_OK;
-    const ep_domain d = ep_domain_settle(domain, trim->scale);
+    const ep_trim_domain d = ep_domain_settle(domain, trim->scale);
     cutter c = {.trim = trim, .domain = &d};
     c.out = ep_alloc(ep_node_size(*parent->words), sizeof *c.out);
     if (!c.out) return ep_fail(m, EP_NO_MEMORY, "no memory to cut a trim region");

@@ -161,7 +161,7 @@ static double imbalance(const ep_point2 triangle[3], const ep_strip *s)
 bool ep_trim_split_triangle(const ep_trim *trim, const ep_trim_part *part, const ep_point2 triangle[3], double thinnest,
                             ep_trim_triangles *out)
 {
-    const ep_domain d = ep_domain_polygon(3, triangle, 0);
+    const ep_trim_domain d = ep_domain_polygon(3, triangle, 0);
     ep_arcs arcs;
     if (ep_arcs_find(trim, part, &d, &arcs) && arcs.count) {
         if (cut_along(d.corner, ep_strip_around(arcs.point, arcs.count), thinnest, out)) return true;
@@ -183,7 +183,7 @@ bool ep_trim_split_triangle(const ep_trim *trim, const ep_trim_part *part, const
 void ep_trim_split_rectangle(const ep_trim *trim, const ep_trim_part *part, const ep_point2 lo, const ep_point2 hi,
                              int *axis, double *at)
 {
-    const ep_domain d = ep_domain_rectangle(lo[0], hi[0], lo[1], hi[1], 0);
+    const ep_trim_domain d = ep_domain_rectangle(lo[0], hi[0], lo[1], hi[1], 0);
     ep_arcs arcs;
     *axis = hi[1] - lo[1] > hi[0] - lo[0];
     *at = 0.5 * (lo[*axis] + hi[*axis]);

@@ -7,14 +7,17 @@
 void ep_svg_begin(FILE *f, const ep_point2 lo, const ep_point2 hi)
 {
     const double w = hi[0] - lo[0], h = hi[1] - lo[1], size = fmax(w, h), border = 0.02 * size;
+    const double pixel = size / 1000;
     fprintf(
         f,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"%.9g %.9g %.9g %.9g\">\n"
-        "<style>*{stroke:#555;stroke-width:.5;vector-effect:non-scaling-stroke;stroke-linejoin:round}"
-        ".i{fill:#cfe8cf}.o{fill:#eee}.x{fill:#f2a33a}.c{fill:none;stroke:#b00020;stroke-width:1.2}</style>\n"
-        "<g transform=\"scale(1,-1)\">\n",
-        1000 * (w + 2 * border) / size, 1000 * (h + 2 * border) / size, lo[0] - border, -hi[1] - border, w + 2 * border,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"%.9g %.9g %.9g %.9g\">\n",
+        (w + 2 * border) / pixel, (h + 2 * border) / pixel, lo[0] - border, -hi[1] - border, w + 2 * border,
         h + 2 * border);
+    fprintf(f,
+            "<style>*{stroke:#555;stroke-width:%.9g;stroke-linejoin:round}"
+            ".i{fill:#cfe8cf}.o{fill:#eee}.x{fill:#f2a33a}.c{fill:none;stroke:#b00020;stroke-width:%.9g}</style>\n"
+            "<g transform=\"scale(1,-1)\">\n",
+            0.5 * pixel, 1.2 * pixel);
 }
 
 void ep_svg_leaf(FILE *f, ep_trim_state state, unsigned count, const ep_point2 *corners)

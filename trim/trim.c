@@ -109,10 +109,10 @@ static EPStatus make_root(maker *k)
 static EPStatus make_cells(ep_trim *t, ep_message *m)
 {
     uint32_t unused;
-    if (t->root.state != EP_TRIM_CROSSED) return ep_trim_keep(t, &t->root, &(ep_domain){0}, &t->cells, &unused, m);
+    if (t->root.state != EP_TRIM_CROSSED) return ep_trim_keep(t, &t->root, &(ep_trim_domain){0}, &t->cells, &unused, m);
     const float box[4] = {ep_round_down(t->lo[0]), ep_round_down(t->lo[1]), ep_round_up(t->hi[0]),
                           ep_round_up(t->hi[1])};
-    const ep_domain d = ep_domain_rectangle(box[0], box[2], box[1], box[3], 0);
+    const ep_trim_domain d = ep_domain_rectangle(box[0], box[2], box[1], box[3], 0);
     if (!ep_array_reserve((void **)&t->cells.words, &t->cells.room, 0, 5, sizeof(uint32_t))) return no_memory(m);
     t->cells.count = 5;
     EPStatus s = ep_trim_keep(t, &t->root, &d, &t->cells, &unused, m);

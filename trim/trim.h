@@ -78,7 +78,7 @@ void ep_trim_free(ep_trim *trim);
 size_t ep_trim_bytes(const ep_trim *trim);
 
 /* The part of `parent` in a domain that lies in the parent's. */
-EPStatus ep_trim_cut(const ep_trim *trim, const ep_trim_part *parent, const ep_domain *domain, ep_trim_part *part,
+EPStatus ep_trim_cut(const ep_trim *trim, const ep_trim_part *parent, const ep_trim_domain *domain, ep_trim_part *part,
                      ep_message *m);
 void ep_trim_part_free(ep_trim_part *part);
 
@@ -87,7 +87,7 @@ size_t ep_trim_part_pieces(const uint32_t *words, uint32_t *pieces);
 
 /* Appends the part with what makes testing it fast: a strip that holds all curves in the domain, so that points beside
  * it are decided by two products; and cells, while there are more than a few pieces. `node` is where it begins. */
-EPStatus ep_trim_keep(const ep_trim *trim, const ep_trim_part *part, const ep_domain *domain, ep_trim_store *store,
+EPStatus ep_trim_keep(const ep_trim *trim, const ep_trim_part *part, const ep_trim_domain *domain, ep_trim_store *store,
                       uint32_t *node, ep_message *m);
 
 /* Which of the first `count` <= 32 points are inside, of those in `mask`? The points lie in the domain that the node

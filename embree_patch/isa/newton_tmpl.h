@@ -13,9 +13,9 @@
 #endif
 
 /* ... and once what is left is certain to be below its rounding error, or below this many times that of a ray that
- * meets the leaf squarely. The bound is a worst case, some ten times what really is left. */
+ * meets the leaf squarely. The bound is a worst case, often ten times what really is left. */
 #ifndef EP_ACCEPT
-#define EP_ACCEPT 16.0f
+#define EP_ACCEPT 4.0f
 #endif
 
 /* A root that rounding may have displaced by more than EP_FLAT along a leaf, where the ray is nearly tangent, is found

@@ -150,6 +150,20 @@ static uint32_t settle(const query *q, ep_outcome *o, candidates *c)
     return front;
 }
 
+/* Those of the candidates in `mask` that a leaf which trim curves cross keeps. */
+static uint32_t inside(const query *q, uint32_t mask, const candidates *c)
+{
+    const ep_hierarchy *h = &q->geometry->hierarchy;
+    return ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim, q->n, c->hit + EP_HIT_U * q->n,
+                          c->hit + EP_HIT_V * q->n, mask);
+}
+
+/* The same for one lane; always true in a leaf that no trim curve crosses. */
+static bool is_inside(const query *q, unsigned lane, const candidates *c)
+{
+    return !q->leaf->trim || inside(q, 1u << lane, c);
+}
+
 static void put_root(const query *q, unsigned lane, float t, const float field[5], candidates *c)
 {
     c->t[lane] = t;
@@ -167,7 +181,7 @@ static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray
         const float field[5] = {(float)r.ng[0], (float)r.ng[1], (float)r.ng[2], (float)r.u, (float)r.v};
         put_root(q, lane, t, field, c);
         if (in_front(q, lane, c)) {
-            if (offer(q, 1u << lane, c)) return true;
+            if (is_inside(q, lane, c) && offer(q, 1u << lane, c)) return true;
         } else if (t >= ray[EP_RAY_TFAR]) {
             return false; /* and so are all others */
         }
@@ -211,7 +225,8 @@ static bool solve_by_cells(const query *q, unsigned lane, const float *ray, doub
             for (unsigned f = 0; f < 5; ++f) field[f] = cells.fields[f * EP_PACKET + k];
             put_root(q, lane, cells.t[k], field, c);
             const ep_polished found = cells.vague >> k & 1 ? polish(q, lane, c) : EP_POLISHED;
-            if (found == EP_POLISHED && in_front(q, lane, c) && offer(q, 1u << lane, c)) return true;
+            if (found == EP_POLISHED && in_front(q, lane, c) && is_inside(q, lane, c) && offer(q, 1u << lane, c))
+                return true;
             if (found == EP_POLISHED_LOST) {
                 /* it is near the cell, not necessarily in it */
                 ++counters->slow;
@@ -277,7 +292,8 @@ static void run(const query *q, int *valid)
     if (q->n == 1) o = kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, 1, 1, c.t, c.hit, counters);
     else if (!(beyond & (beyond - 1))) o = run_sparse(q, active, &c, counters);
     else o = kernels->packet[q->leaf->shape](q->leaf, q->net, q->ray, q->n, active, c.t, c.hit, counters);
-    const uint32_t front = settle(q, &o, &c);
+    uint32_t front = settle(q, &o, &c);
+    if (q->leaf->trim && front) front = inside(q, front, &c);
     if (front) accepted = offer(q, front, &c);
     for (uint32_t slow = o.slow; slow; slow &= slow - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(slow);

@@ -23,16 +23,32 @@ static double degrees_between(const double a[3], const double b[3])
     return atan2(length(c), d) * 57.29577951308232;
 }
 
+/* Distance of the point that u, v say from the one that t says, relative to the patch and the way there. */
+static double place_error(const oracle *o, const double org[3], const double dir[3], const judge_answer *a)
+{
+    double p[3], apart[3];
+    oracle_evaluate(o, a->patch, a->u, a->v, p, NULL, NULL);
+    for (int c = 0; c < 3; ++c) apart[c] = p[c] - (org[c] + a->t * dir[c]);
+    return length(apart) / (oracle_radius(o, a->patch) + fabs(a->t) * length(dir));
+}
+
+/* Whether the answer is a point of the surface next to a doubtful root: an error of `distance` off a surface that the
+ * ray meets at a small angle moves t by so much more along it. */
+static bool along_tangent(const oracle *o, const double org[3], const double dir[3], const oracle_root *r,
+                          const judge_answer *a, const judge_limits *limits)
+{
+    const double way = fmax(r->t_low - a->t, a->t - r->t_high) * length(dir);
+    return r->doubtful && way * r->cosine <= limits->distance * oracle_radius(o, a->patch) &&
+           place_error(o, org, dir, a) <= limits->place;
+}
+
 /* The answer, held against one root that is near enough in t. */
 static judge_verdict compare(const oracle *o, const double org[3], const double dir[3], const oracle_root *r,
                              const judge_answer *a, const judge_limits *limits, judge_errors *e)
 {
     if (r->doubtful) return JUDGE_LEFT_OUT;
-    double p[3], apart[3];
-    oracle_evaluate(o, a->patch, a->u, a->v, p, NULL, NULL);
-    for (int c = 0; c < 3; ++c) apart[c] = p[c] - (org[c] + a->t * dir[c]);
     e->t = fabs(a->t - r->t_low) / (fabs(a->t) + oracle_radius(o, a->patch) / length(dir));
-    e->place = length(apart) / (oracle_radius(o, a->patch) + fabs(a->t) * length(dir));
+    e->place = place_error(o, org, dir, a);
     e->degrees = degrees_between(a->normal, r->normal);
     if (!(e->place <= limits->place)) return JUDGE_WRONG_PLACE;
     if (!(e->degrees <= limits->degrees)) return JUDGE_WRONG_NORMAL;
@@ -52,8 +68,9 @@ judge_verdict judge(const oracle *o, const double org[3], const double dir[3], c
     for (size_t k = 0; k < count; ++k) {
         const oracle_root *r = &roots[k];
         judge_errors e = {0, 0, 0};
-        if (!(r->t_low - slack <= a->t && a->t <= r->t_high + slack)) continue;
-        const judge_verdict verdict = sure && sure->t_high < r->t_low - slack
+        if (!(r->t_low - slack <= a->t && a->t <= r->t_high + slack) && !along_tangent(o, org, dir, r, a, limits))
+            continue;
+        const judge_verdict verdict = sure && sure->t_high < fmax(r->t_low, a->t - slack) - slack
                                           ? JUDGE_MISSED
                                           : compare(o, org, dir, r, a, limits, &e);
         if (verdict >= best) continue;

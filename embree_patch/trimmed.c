@@ -1,0 +1,91 @@
+/* trimmed.c - dividing crossed parts of a patch along the trim curves [Stürzlinger 1998, appendix]. See trimmed.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Rectangles are cut on a grid of floats, so that leaf.domain, which is float, is exact. Triangles are cut where the
+ * strip meets their sides, in double: moved to a grid of floats a cut would leave its side, and a gap beside the
+ * neighbour that is not cut there. */
+#include "embree_patch/trimmed.h"
+#include "trim/split.h"
+
+#include <string.h>
+
+_Static_assert((int)EP_TRIMMED_PARTS >= (int)EP_SPLIT_MOST, "room for every split");
+
+/* Four roundings of u, v to float: curves along a border, or along a straight cut, cross nothing. */
+static const double seam = 0x1p-22;
+
+/* What share of the patch's domain a crossed leaf may cover; smaller ones gain less than another level costs. The time
+ * of the point test plays no part: a ray that passes through what was cut away pays for finding the root, which takes
+ * many times as long, in every crossed leaf on its way. */
+static const double smallest_triangle = 0x1p-13, smallest_rectangle = 0x1p-14;
+
+/* The least height of a triangle over its longest side. */
+static const double thinnest = 0.04;
+
+/* Cuts of rectangles are multiples of it: floats, like their differences. */
+static const double grid = 0x1p-24;
+
+static void corners_of(const ep_domain *d, ep_point2 corner[3])
+{
+    corner[0][0] = d->u0, corner[0][1] = d->v0;
+    corner[1][0] = d->u0 + d->uu, corner[1][1] = d->v0 + d->vu;
+    corner[2][0] = d->u0 + d->uv, corner[2][1] = d->v0 + d->vv;
+}
+
+ep_trim_domain ep_trimmed_domain(ep_kind_id kind, const ep_domain *d)
+{
+    const double far = fmax(d->u0 + fmax(fmax(d->uu, d->uv), 0), d->v0 + fmax(fmax(d->vv, d->vu), 0));
+    if (kind == EP_KIND_TENSOR) return ep_domain_rectangle(d->u0, d->u0 + d->uu, d->v0, d->v0 + d->vv, -seam * far);
+    ep_point2 corner[3];
+    corners_of(d, corner);
+    return ep_domain_polygon(3, corner, -seam * far);
+}
+
+bool ep_trimmed_wants_split(ep_kind_id kind, const ep_domain *d)
+{
+    /* of the unit square or the unit triangle */
+    const double share = fabs(d->uu * d->vv - d->uv * d->vu);
+    return share >= (kind == EP_KIND_TRIANGLE ? smallest_triangle : smallest_rectangle);
+}
+
+static unsigned split_triangle(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, ep_domain *parts)
+{
+    ep_point2 corner[3];
+    ep_trim_triangles t;
+    corners_of(d, corner);
+    ep_trim_split_triangle(trim, part, corner, thinnest, &t);
+    for (unsigned k = 0; k < t.count; ++k) {
+        const ep_point2 *c = t.corner[k];
+        parts[k] =
+            (ep_domain){c[0][0], c[0][1], c[1][0] - c[0][0], c[2][0] - c[0][0], c[1][1] - c[0][1], c[2][1] - c[0][1]};
+    }
+    return t.count;
+}
+
+static unsigned split_rectangle(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, ep_domain *parts)
+{
+    const ep_point2 lo = {d->u0, d->v0}, hi = {d->u0 + d->uu, d->v0 + d->vv};
+    int axis;
+    double at;
+    ep_trim_split_rectangle(trim, part, lo, hi, &axis, &at);
+    at = grid * rint(at / grid);
+    if (!(lo[axis] < at && at < hi[axis])) at = lo[axis] + 0.5 * (hi[axis] - lo[axis]);
+    parts[0] = parts[1] = *d;
+    if (axis == 0) {
+        parts[0].uu = at - lo[0];
+        parts[1].u0 = at;
+        parts[1].uu = hi[0] - at;
+    } else {
+        parts[0].vv = at - lo[1];
+        parts[1].v0 = at;
+        parts[1].vv = hi[1] - at;
+    }
+    return 2;
+}
+
+unsigned ep_trimmed_split(const ep_trim *trim, const ep_trim_part *part, ep_kind_id kind, const ep_domain *d,
+                          ep_domain parts[EP_TRIMMED_PARTS])
+{
+    return kind == EP_KIND_TRIANGLE ? split_triangle(trim, part, d, parts) : split_rectangle(trim, part, d, parts);
+}

@@ -1,0 +1,13 @@
+/* json_trim.h - reads the trims of JSON scenes.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef EPATCH_JSON_TRIM_H
+#define EPATCH_JSON_TRIM_H
+
+#include "embree_patch/embree_patch.h"
+#include "tools/json_walk.h"
+
+/* The complete region that a trim describes; NULL after a message. */
+EPRegion json_read_trim(const json_reader *r, const json_node *n);
+
+#endif
