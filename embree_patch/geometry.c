@@ -99,6 +99,10 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
         !grow((void **)&g->points, g->point_count, &g->point_capacity, count * each, sizeof *g->points))
         return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", count);
 
+    /* the committed leaves' patches are among these, wherever they are now */
+    for (size_t i = 0; i < g->hierarchy.patch_count; ++i)
+        g->hierarchy.patches[i].points = g->points + g->added[i].first;
+
     const char *at = points;
     ep_point *to = g->points + g->point_count;
     for (size_t k = 0; k < count; ++k) {

@@ -98,9 +98,10 @@ static void same(const answer *a, const answer *b, unsigned n, uint32_t active, 
 /* Degrees whose shape is `special` of 0..4, where 0 is what has no kernel of its own. */
 static void shape_patch(rng *r, bool triangle, bool rational, unsigned special, test_patch *p)
 {
-    const patch_style style = rng_below(r, 3) ? STYLE_GENTLE : (patch_style)rng_below(r, STYLES);
-    do random_patch(r, style, triangle, (patch_limits){special ? special : 8, rational ? 20 : 1}, p);
-    while (special ? p->shape.m != special || p->shape.n != special
+    do {
+        const patch_style style = rng_below(r, 3) ? STYLE_GENTLE : (patch_style)rng_below(r, STYLES);
+        random_patch(r, style, triangle, (patch_limits){special ? special : 8, rational ? 20 : 1}, p);
+    } while (special ? p->shape.m != special || p->shape.n != special
                    : p->shape.m == p->shape.n && p->shape.m <= EP_SPECIAL_DEGREES);
 }
 
@@ -116,7 +117,7 @@ static void same_bits(void **state)
             test_patch p;
             shape_patch(&r, kind / 2, kind % 2, special, &p);
             EPBuildSettings settings = epDefaultBuildSettings();
-            settings.maxDepth = rng_below(&r, 6);
+            settings.maxDepth = rng_below(&r, kind / 2 ? 4 : 6); /* triangles are quartered */
             EPGeometry g = new_geometry(&p, 1, &settings);
             oracle *o = new_oracle(&p, 1);
             const ep_patch *patch = &g->hierarchy.patches[0];
@@ -163,7 +164,7 @@ static void same_bits_of_cells(void **state)
             test_patch p;
             shape_patch(&r, kind / 2, kind % 2, special, &p);
             EPBuildSettings settings = epDefaultBuildSettings();
-            settings.maxDepth = rng_below(&r, 6);
+            settings.maxDepth = rng_below(&r, kind / 2 ? 4 : 6); /* triangles are quartered */
             EPGeometry g = new_geometry(&p, 1, &settings);
             oracle *o = new_oracle(&p, 1);
             const ep_patch *patch = &g->hierarchy.patches[0];
