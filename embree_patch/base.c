@@ -6,6 +6,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static atomic_long fail_at = -1;
 
@@ -26,6 +27,20 @@ void *ep_alloc(size_t count, size_t size)
 void ep_free(void *p)
 {
     free(p);
+}
+
+bool ep_reserve(void **items, size_t *capacity, size_t count, size_t more, size_t size)
+{
+    if (more <= *capacity - count) return true;
+    if (more > SIZE_MAX / 2 - count) return false;
+    const size_t room = 2 * *capacity > count + more ? 2 * *capacity : count + more;
+    void *bigger = ep_alloc(room, size);
+    if (!bigger) return false;
+    if (count) memcpy(bigger, *items, count * size);
+    ep_free(*items);
+    *items = bigger;
+    *capacity = room;
+    return true;
 }
 
 EPStatus ep_fail(ep_message *m, EPStatus s, const char *format, ...)

@@ -19,6 +19,10 @@
 void *ep_alloc(size_t count, size_t size);
 void ep_free(void *p);
 
+/* Makes room for `more` items of `size` bytes behind the first `count` of *items, at least doubling *capacity. False,
+ * and all as it was, when there is no memory. */
+bool ep_reserve(void **items, size_t *capacity, size_t count, size_t more, size_t size);
+
 /* For tests: the n-th allocation from now fails, counting from 0; negative: none does. */
 void ep_alloc_fail_at(long n);
 

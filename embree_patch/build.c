@@ -19,7 +19,7 @@
 static const double max_distortion = 0.3;
 
 /* Halvings after which a piece that folds or collapses within is left to subdivision along the ray. */
-enum { FOLD_DEPTH = 12 }; /* for triangles, which are quartered, six levels */
+enum { FOLD_DEPTH = 12 };
 
 /* The leaves of one patch. */
 typedef struct list {
@@ -35,27 +35,13 @@ typedef struct list {
     EPStatus status; /* once it is not EP_OK the list is dropped */
 } list;
 
-/* Makes room for `more` elements of `size` bytes after the first `count`. */
-static bool grow(void **array, size_t count, size_t more, size_t *capacity, size_t size)
-{
-    if (*capacity - count >= more) return true;
-    const size_t to = 2 * *capacity > count + more ? 2 * *capacity : count + more;
-    void *bigger = ep_alloc(to, size);
-    if (!bigger) return false;
-    if (count) memcpy(bigger, *array, count * size);
-    ep_free(*array);
-    *array = bigger;
-    *capacity = to;
-    return true;
-}
-
 /* Leaves and boxes grow together. */
 static bool reserve(list *l, size_t net_floats)
 {
     size_t leaves = l->capacity, boxes = l->capacity;
-    const bool full = !grow((void **)&l->leaves, l->count, 1, &leaves, sizeof *l->leaves) ||
-                      !grow((void **)&l->boxes, l->count, 1, &boxes, sizeof *l->boxes) ||
-                      !grow((void **)&l->nets, l->net_count, net_floats, &l->net_capacity, sizeof *l->nets);
+    const bool full = !ep_reserve((void **)&l->leaves, &leaves, l->count, 1, sizeof *l->leaves) ||
+                      !ep_reserve((void **)&l->boxes, &boxes, l->count, 1, sizeof *l->boxes) ||
+                      !ep_reserve((void **)&l->nets, &l->net_capacity, l->net_count, net_floats, sizeof *l->nets);
     if (full) l->status = EP_NO_MEMORY;
     else l->capacity = leaves;
     return !full;
@@ -151,8 +137,7 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
     if (depth < a->settings->maxDepth) {
         const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) &&
                           f->distortion <= max_distortion && f->loss <= max_loss;
-        const unsigned halvings = kind == EP_KIND_TRIANGLE ? 2 * depth : depth;
-        const bool hopeless = !(f->distortion < 1) && halvings >= FOLD_DEPTH;
+        const bool hopeless = !(f->distortion < 1) && depth * ep_kinds[kind].halvings >= FOLD_DEPTH;
         ep_domain parts[EP_TRIMMED_PARTS];
         if (!good && !hopeless) {
             const unsigned n = ep_kinds[kind].split(d, f->turn[1] > f->turn[0], parts);

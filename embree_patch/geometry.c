@@ -38,22 +38,6 @@ const char *epGetGeometryMessage(EPGeometry g)
     return g->message.text;
 }
 
-/* Makes room for `more` elements of `size` bytes after the first `count`. */
-static bool grow(void **array, size_t count, size_t *capacity, size_t more, size_t size)
-{
-    if (more <= *capacity - count) return true;
-    if (more > SIZE_MAX / 2 - count) return false;
-    size_t to = *capacity ? 2 * *capacity : 16;
-    if (to < count + more) to = count + more;
-    void *bigger = ep_alloc(to, size);
-    if (!bigger) return false;
-    if (count) memcpy(bigger, *array, count * size);
-    ep_free(*array);
-    *array = bigger;
-    *capacity = to;
-    return true;
-}
-
 static size_t format_bytes(EPFormat f)
 {
     static const size_t bytes[] = {3 * sizeof(float), 4 * sizeof(float), 3 * sizeof(double), 4 * sizeof(double)};
@@ -95,8 +79,8 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
     const size_t each = ep_kinds[kind].point_count(m, n);
     if (count > UINT32_MAX - g->added_count || count > SIZE_MAX / 64 / each)
         return ep_fail(&g->message, EP_INVALID, "%zu patches are too many", count);
-    if (!grow((void **)&g->added, g->added_count, &g->added_capacity, count, sizeof *g->added) ||
-        !grow((void **)&g->points, g->point_count, &g->point_capacity, count * each, sizeof *g->points))
+    if (!ep_reserve((void **)&g->added, &g->added_capacity, g->added_count, count, sizeof *g->added) ||
+        !ep_reserve((void **)&g->points, &g->point_capacity, g->point_count, count * each, sizeof *g->points))
         return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", count);
 
     /* the committed leaves' patches are among these, wherever they are now */

@@ -18,18 +18,6 @@ typedef struct frame {
     ep_vec3 row[3], column[3];
 } frame;
 
-static double mid(ep_range r)
-{
-    return r.lo / 2 + r.hi / 2;
-}
-static double half(ep_range r)
-{
-    return r.hi / 2 - r.lo / 2;
-}
-static double mag(ep_range r)
-{
-    return fmax(-r.lo, r.hi);
-}
 static ep_range widen(ep_range r, double e)
 {
     return (ep_range){r.lo - e, r.hi + e};
@@ -133,25 +121,25 @@ static weight weight_bounds(const ep_fit *f, double least)
     const double low = fmax(w.value.lo, least);
     return (weight){low,
                     fmax(1 - w.value.lo, w.value.hi - 1) / low,
-                    mag(w.ds) / low,
-                    mag(w.dt) / low,
-                    mag(w.dss) / low,
-                    mag(w.dst) / low,
-                    mag(w.dtt) / low};
+                    ep_mag(w.ds) / low,
+                    ep_mag(w.dt) / low,
+                    ep_mag(w.dss) / low,
+                    ep_mag(w.dst) / low,
+                    ep_mag(w.dtt) / low};
 }
 
 /* r = R/W = R + R (1-W)/W, r' = (R' - r W')/W, r'' = (R'' - r'W' - W'r' - r W'')/W. */
 static bounds quotient_bounds(bounds b, const weight *w)
 {
     bounds q;
-    q.value = widen(b.value, mag(b.value) * w->off);
-    const double v = mag(q.value);
-    q.ds = widen(b.ds, mag(b.ds) * w->off + v * w->ds);
-    q.dt = widen(b.dt, mag(b.dt) * w->off + v * w->dt);
-    const double vs = mag(q.ds), vt = mag(q.dt);
-    q.dss = widen(b.dss, mag(b.dss) * w->off + 2 * vs * w->ds + v * w->dss);
-    q.dst = widen(b.dst, mag(b.dst) * w->off + vs * w->dt + vt * w->ds + v * w->dst);
-    q.dtt = widen(b.dtt, mag(b.dtt) * w->off + 2 * vt * w->dt + v * w->dtt);
+    q.value = widen(b.value, ep_mag(b.value) * w->off);
+    const double v = ep_mag(q.value);
+    q.ds = widen(b.ds, ep_mag(b.ds) * w->off + v * w->ds);
+    q.dt = widen(b.dt, ep_mag(b.dt) * w->off + v * w->dt);
+    const double vs = ep_mag(q.ds), vt = ep_mag(q.dt);
+    q.dss = widen(b.dss, ep_mag(b.dss) * w->off + 2 * vs * w->ds + v * w->dss);
+    q.dst = widen(b.dst, ep_mag(b.dst) * w->off + vs * w->dt + vt * w->ds + v * w->dst);
+    q.dtt = widen(b.dtt, ep_mag(b.dtt) * w->off + 2 * vt * w->dt + v * w->dtt);
     return q;
 }
 
@@ -279,17 +267,18 @@ static void model(const ep_fit *f, const bounds b[3], double lost, ep_leaf *leaf
     double error[3];
     leaf->middle = (float)f->rest[0][2];
     for (int c = 0; c < 3; ++c) {
-        leaf->second[0][c] = (float)mid(b[c].dss);
-        leaf->second[1][c] = (float)mid(b[c].dst);
-        leaf->second[2][c] = (float)mid(b[c].dtt);
+        leaf->second[0][c] = (float)ep_mid(b[c].dss);
+        leaf->second[1][c] = (float)ep_mid(b[c].dst);
+        leaf->second[2][c] = (float)ep_mid(b[c].dtt);
         /* R's slope is r's but for r W' */
         const size_t s = kind->index(rest_m(f), rest_n(f), 1, 0), t = kind->index(rest_m(f), rest_n(f), 0, 1);
         const double *w = f->rest[0];
         const double slope = fabs(f->rest[s][c] - w[c] * f->rest[s][3]) + fabs(f->rest[t][c] - w[c] * f->rest[t][3]);
         error[c] = lost + (c < 2 ? fabs(w[c]) : 0) + slope * kind->extent +
-                   (half(b[c].dss) + half(b[c].dtt)) * kind->monomial(2, 0) / 2 + half(b[c].dst) * kind->monomial(1, 1);
+                   (ep_half(b[c].dss) + ep_half(b[c].dtt)) * kind->monomial(2, 0) / 2 +
+                   ep_half(b[c].dst) * kind->monomial(1, 1);
         /* and what the kernels' arithmetic adds to a handful of terms below this */
-        error[c] += 16 * EP_EPS_F * (1 + mag(b[c].dss) + mag(b[c].dst) + mag(b[c].dtt));
+        error[c] += 16 * EP_EPS_F * (1 + ep_mag(b[c].dss) + ep_mag(b[c].dst) + ep_mag(b[c].dtt));
     }
     leaf->model_st = ep_round_up(fmax(error[0], error[1]));
     leaf->model_h = ep_round_up(error[2]);
@@ -378,7 +367,7 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, e
     round_frame(&g, leaf);
     change_coordinates(f, q, &g, at);
     const weight w = weight_bounds(f, p->weight_min / w0);
-    ep_vec3 origin = ep_add(at, ep_scale(mid(quotient_bounds(series_bounds(f, 2), &w).value), g.column[2]));
+    ep_vec3 origin = ep_add(at, ep_scale(ep_mid(quotient_bounds(series_bounds(f, 2), &w).value), g.column[2]));
     double *o = &origin.x;
     for (int c = 0; c < 3; ++c) {
         const double x = p->centre[c] + o[c];
@@ -393,15 +382,15 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, e
     leaf->bend_st = leaf->warp_st = 0;
     for (int c = 0; c < 3; ++c) {
         float *bend = c < 2 ? &leaf->bend_st : &leaf->bend_h, *warp = c < 2 ? &leaf->warp_st : &leaf->warp_h;
-        *bend = fmaxf(*bend, ep_round_up(mag(b[c].dss) + 2 * mag(b[c].dst) + mag(b[c].dtt)));
-        *warp = fmaxf(*warp, ep_round_up(half(b[c].dss) + 2 * half(b[c].dst) + half(b[c].dtt) +
+        *bend = fmaxf(*bend, ep_round_up(ep_mag(b[c].dss) + 2 * ep_mag(b[c].dst) + ep_mag(b[c].dtt)));
+        *warp = fmaxf(*warp, ep_round_up(ep_half(b[c].dss) + 2 * ep_half(b[c].dst) + ep_half(b[c].dtt) +
                                          EP_EPS_F * *bend)); /* the model's rounding */
     }
-    leaf->side = ep_round_up(fmax(mag(b[0].value), mag(b[1].value)));
-    leaf->height = ep_round_up(mag(b[2].value));
+    leaf->side = ep_round_up(fmax(ep_mag(b[0].value), ep_mag(b[1].value)));
+    leaf->height = ep_round_up(ep_mag(b[2].value));
     f->regular = leaf->height < INFINITY && leaf->side < INFINITY;
-    f->thickness = 2 * mag(b[2].value);
-    f->distortion = fmax(mag(b[0].ds) + mag(b[0].dt), mag(b[1].ds) + mag(b[1].dt));
+    f->thickness = 2 * ep_mag(b[2].value);
+    f->distortion = fmax(ep_mag(b[0].ds) + ep_mag(b[0].dt), ep_mag(b[1].ds) + ep_mag(b[1].dt));
     const double lost = reduce(f);
     model(f, b, lost, leaf);
     rounding(p, f, &g, &w, lost, leaf);
@@ -411,7 +400,7 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, e
     for (int k = 0; k < 3; ++k) {
         const double a[2] = {(&g.column[0].x)[k], (&g.column[1].x)[k]}, none[2] = {0, 0};
         const double r[4] = {a[0], a[1], (&g.column[2].x)[k], 0};
-        const ep_range x = widen(linear_range(f, a, r), mag(linear_range(f, none, r)) * w.off);
+        const ep_range x = widen(linear_range(f, a, r), ep_mag(linear_range(f, none, r)) * w.off);
         const double centre = (double)leaf->centre[k] + leaf->centre_low[k];
         f->lower[k] = centre + x.lo;
         f->upper[k] = centre + x.hi;
@@ -420,9 +409,11 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, e
     /* Halving the first side quarters what r'' in s adds to the height, and halves what it adds to E. The mixed term of
      * r_t behaves like that too, while that of r_s, a fan, does not care how wide it is and asks for the other side.
      * Twist and a little of everything goes by length, so that pieces stay square. */
-    const double longer = fmax(f->turn[0], f->turn[1]), square = mag(b[2].dst) + 0x1p-10;
-    f->turn[0] = mag(b[2].dss) + mag(b[0].dss) + mag(b[1].dss) + mag(b[1].dst) + square * f->turn[0] / longer;
-    f->turn[1] = mag(b[2].dtt) + mag(b[0].dtt) + mag(b[1].dtt) + mag(b[0].dst) + square * f->turn[1] / longer;
+    const double longer = fmax(f->turn[0], f->turn[1]), square = ep_mag(b[2].dst) + 0x1p-10;
+    f->turn[0] =
+        ep_mag(b[2].dss) + ep_mag(b[0].dss) + ep_mag(b[1].dss) + ep_mag(b[1].dst) + square * f->turn[0] / longer;
+    f->turn[1] =
+        ep_mag(b[2].dtt) + ep_mag(b[0].dtt) + ep_mag(b[1].dtt) + ep_mag(b[0].dst) + square * f->turn[1] / longer;
 }
 
 void ep_leaf_pack(const ep_fit *f, float *net)

@@ -149,9 +149,9 @@ static double tri_monomial(unsigned i, unsigned j)
 
 const ep_kind ep_kinds[2] = {
     [EP_KIND_TENSOR] = {"tensor", tensor_point_count, ep_tensor_eval, tensor_restrict, tensor_series, tensor_split,
-                        tensor_index, tensor_quadratic, tensor_monomial, 1.0 / 2, 1.0 / 2},
+                        tensor_index, tensor_quadratic, tensor_monomial, 1, 1.0 / 2, 1.0 / 2},
     [EP_KIND_TRIANGLE] = {"triangle", tri_point_count, tri_eval, tri_restrict, tri_series, tri_split, tri_index,
-                          tri_quadratic, tri_monomial, 1.0 / 3, 2.0 / 3},
+                          tri_quadratic, tri_monomial, 2, 1.0 / 3, 2.0 / 3},
 };
 
 static ep_vec3 quotient(const ep_point n, double w)

@@ -9,6 +9,7 @@
 
 #include "embree_patch/base.h"
 #include "embree_patch/bezier.h"
+#include "embree_patch/range.h"
 #include "embree_patch/vec.h"
 
 typedef enum ep_kind_id { EP_KIND_TENSOR, EP_KIND_TRIANGLE } ep_kind_id;
@@ -28,10 +29,6 @@ typedef struct ep_patch {
     const ep_point *points; /* homogeneous (wx, wy, wz, w) in the geometry's space                            */
 } ep_patch;
 
-typedef struct ep_range {
-    double lo, hi;
-} ep_range;
-
 /* What a kind of patch has to know. Nothing else in the build switches on the kind. */
 typedef struct ep_kind {
     const char *name;
@@ -49,8 +46,9 @@ typedef struct ep_kind {
     ep_range (*quadratic)(const double c[6]);
     /* max |s|^i |t|^j over the leaf's domain */
     double (*monomial)(unsigned i, unsigned j);
-    double middle; /* what the leaf's coordinates call zero, in both coordinates of the unit domain */
-    double extent; /* max |s|, |t|                                                                  */
+    unsigned halvings; /* that a split is: 1, or 2 where it makes four parts                        */
+    double middle;     /* what the leaf's coordinates call zero, in both coordinates of the unit domain */
+    double extent;     /* max |s|, |t|                                                                  */
 } ep_kind;
 
 extern const ep_kind ep_kinds[2]; /* by ep_kind_id */

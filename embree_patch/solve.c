@@ -44,16 +44,6 @@ typedef struct problem {
     double small, small_t;    /* extent in f and in t of what floats cannot tell from a point */
 } problem;
 
-typedef struct range {
-    double lo, hi;
-} range;
-
-static void include(range *r, double x)
-{
-    if (x < r->lo) r->lo = x;
-    if (x > r->hi) r->hi = x;
-}
-
 static ep_domain leaf_domain(const ep_leaf *leaf)
 {
     const float *f = leaf->domain;
@@ -133,12 +123,12 @@ static void planes(const ep_leaf *leaf, ep_vec3 d, ep_vec3 *n1, ep_vec3 *n2)
 
 /* Derivatives of f1 (k = 0) and f2 over a cell's net, in the cell's coordinates. */
 typedef struct slopes {
-    range s[2], t[2];
+    ep_range s[2], t[2];
 } slopes;
 
 static slopes net_slopes(const problem *p, const ep_point *net)
 {
-    const range nothing = {INFINITY, -INFINITY};
+    const ep_range nothing = EP_NOTHING;
     slopes r = {{nothing, nothing}, {nothing, nothing}};
     for (unsigned j = 0; j <= p->n; ++j)
         for (unsigned i = 0; i <= p->m; ++i) {
@@ -146,30 +136,22 @@ static slopes net_slopes(const problem *p, const ep_point *net)
             if (at == SIZE_MAX) continue;
             const size_t is = p->kind->index(p->m, p->n, i + 1, j), it = p->kind->index(p->m, p->n, i, j + 1);
             for (int k = 0; k < 2; ++k) {
-                if (is != SIZE_MAX) include(&r.s[k], p->m * (net[is][k] - net[at][k]));
-                if (it != SIZE_MAX) include(&r.t[k], p->n * (net[it][k] - net[at][k]));
+                if (is != SIZE_MAX) ep_include(&r.s[k], p->m * (net[is][k] - net[at][k]));
+                if (it != SIZE_MAX) ep_include(&r.t[k], p->n * (net[it][k] - net[at][k]));
             }
         }
     return r;
 }
 
-static double mid(range r)
-{
-    return r.lo / 2 + r.hi / 2;
-}
-static double half(range r)
-{
-    return r.hi / 2 - r.lo / 2;
-}
-
 /* e of the certificate: the deviation of the Jacobian from its middle, relative to the middle; infinity if singular. */
 static double deviation(const problem *p, const slopes *g)
 {
-    const double a = mid(g->s[0]), b = mid(g->t[0]), c = mid(g->s[1]), d = mid(g->t[1]);
+    const double a = ep_mid(g->s[0]), b = ep_mid(g->t[0]), c = ep_mid(g->s[1]), d = ep_mid(g->t[1]);
     const double det = a * d - b * c;
     if (det == 0) return INFINITY;
     const double es = 2 * p->m * p->noise, et = 2 * p->n * p->noise; /* rounding of differences of the net */
-    const double ra = half(g->s[0]) + es, rb = half(g->t[0]) + et, rc = half(g->s[1]) + es, rd = half(g->t[1]) + et;
+    const double ra = ep_half(g->s[0]) + es, rb = ep_half(g->t[0]) + et, rc = ep_half(g->s[1]) + es,
+                 rd = ep_half(g->t[1]) + et;
     const double row0 = fabs(d) * (ra + rb) + fabs(b) * (rc + rd);
     const double row1 = fabs(c) * (ra + rb) + fabs(a) * (rc + rd);
     return fmax(row0, row1) / fabs(det);
@@ -328,11 +310,11 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         const cell at = stack[--depth];
         if (at.t_low >= before - found * p.small_t) continue;
         p.kind->restrict_to(p.net, p.m, p.n, &at.d, net);
-        range f1 = {INFINITY, -INFINITY}, f2 = f1, t = f1;
+        ep_range f1 = EP_NOTHING, f2 = f1, t = f1;
         for (size_t i = 0; i < count; ++i) {
-            include(&f1, net[i][0]);
-            include(&f2, net[i][1]);
-            include(&t, net[i][2] / net[i][3]);
+            ep_include(&f1, net[i][0]);
+            ep_include(&f2, net[i][1]);
+            ep_include(&t, net[i][2] / net[i][3]);
         }
         if (f1.lo > p.noise || f1.hi < -p.noise || f2.lo > p.noise || f2.hi < -p.noise) continue;
         if (t0 + t.hi <= after || t0 + t.lo >= before - found * p.small_t) continue;

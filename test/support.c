@@ -109,9 +109,9 @@ oracle *new_oracle(const test_patch *patches, size_t count)
     return o;
 }
 
-test_scene new_scene(const test_patch *patches, size_t count, const EPBuildSettings *settings)
+test_scene scene_of(EPGeometry geometry)
 {
-    test_scene s = {.device = rtcNewDevice("threads=1"), .geometry = new_geometry(patches, count, settings)};
+    test_scene s = {.device = rtcNewDevice("threads=1"), .geometry = geometry};
     assert_non_null(s.device);
     s.scene = rtcNewScene(s.device);
     RTCGeometry g = epNewRTCGeometry(s.geometry, s.device);
@@ -120,6 +120,11 @@ test_scene new_scene(const test_patch *patches, size_t count, const EPBuildSetti
     rtcReleaseGeometry(g);
     rtcCommitScene(s.scene);
     return s;
+}
+
+test_scene new_scene(const test_patch *patches, size_t count, const EPBuildSettings *settings)
+{
+    return scene_of(new_geometry(patches, count, settings));
 }
 
 void free_scene(test_scene *s)

@@ -66,6 +66,8 @@ typedef struct test_scene {
     EPGeometry geometry;
 } test_scene;
 test_scene new_scene(const test_patch *patches, size_t count, const EPBuildSettings *settings);
+/* The same of a committed geometry, which it takes over. */
+test_scene scene_of(EPGeometry geometry);
 void free_scene(test_scene *s);
 
 /* One ray or a packet of 4, 8 or 16 in Embree's layout, field f of lane i at f[f * n + i]. */
@@ -75,7 +77,8 @@ typedef struct test_packet {
 } test_packet;
 enum { HIT_NG = EP_RAY_FIELDS, HIT_U = EP_RAY_FIELDS + 3, HIT_V, HIT_PRIM, HIT_GEOM, HIT_INST };
 
-void set_ray(test_packet *p, unsigned n, unsigned lane, const float org[3], const float dir[3], float tnear, float tfar);
+void set_ray(test_packet *p, unsigned n, unsigned lane, const float org[3], const float dir[3], float tnear,
+             float tfar);
 static inline float get_float(const test_packet *p, unsigned n, unsigned field, unsigned lane)
 {
     return p->f[field * n + lane];

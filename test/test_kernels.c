@@ -102,7 +102,19 @@ static void shape_patch(rng *r, bool triangle, bool rational, unsigned special, 
         const patch_style style = rng_below(r, 3) ? STYLE_GENTLE : (patch_style)rng_below(r, STYLES);
         random_patch(r, style, triangle, (patch_limits){special ? special : 8, rational ? 20 : 1}, p);
     } while (special ? p->shape.m != special || p->shape.n != special
-                   : p->shape.m == p->shape.n && p->shape.m <= EP_SPECIAL_DEGREES);
+                     : p->shape.m == p->shape.n && p->shape.m <= EP_SPECIAL_DEGREES);
+}
+
+/* A patch of a shape, cut into few leaves, and its oracle. */
+static EPGeometry shape_geometry(rng *r, unsigned shape, oracle **o)
+{
+    const unsigned special = shape % (EP_SPECIAL_DEGREES + 1), kind = shape / (EP_SPECIAL_DEGREES + 1);
+    test_patch p;
+    shape_patch(r, kind / 2, kind % 2, special, &p);
+    EPBuildSettings settings = epDefaultBuildSettings();
+    settings.maxDepth = rng_below(r, kind / 2 ? 4 : 6); /* triangles are quartered */
+    *o = new_oracle(&p, 1);
+    return new_geometry(&p, 1, &settings);
 }
 
 static void same_bits(void **state)
@@ -113,13 +125,8 @@ static void same_bits(void **state)
     for (unsigned shape = 0; shape < EP_SHAPES; ++shape)
         for (uint64_t k = 0; k < 40; ++k) {
             rng r = rng_split(1, shape, k);
-            const unsigned special = shape % (EP_SPECIAL_DEGREES + 1), kind = shape / (EP_SPECIAL_DEGREES + 1);
-            test_patch p;
-            shape_patch(&r, kind / 2, kind % 2, special, &p);
-            EPBuildSettings settings = epDefaultBuildSettings();
-            settings.maxDepth = rng_below(&r, kind / 2 ? 4 : 6); /* triangles are quartered */
-            EPGeometry g = new_geometry(&p, 1, &settings);
-            oracle *o = new_oracle(&p, 1);
+            oracle *o;
+            EPGeometry g = shape_geometry(&r, shape, &o);
             const ep_patch *patch = &g->hierarchy.patches[0];
             for (int packet = 0; packet < 40; ++packet) {
                 static const unsigned widths[] = {4, 8, 16};
@@ -160,13 +167,8 @@ static void same_bits_of_cells(void **state)
     for (unsigned shape = 0; shape < EP_SHAPES; ++shape)
         for (uint64_t k = 0; k < 20; ++k) {
             rng r = rng_split(2, shape, k);
-            const unsigned special = shape % (EP_SPECIAL_DEGREES + 1), kind = shape / (EP_SPECIAL_DEGREES + 1);
-            test_patch p;
-            shape_patch(&r, kind / 2, kind % 2, special, &p);
-            EPBuildSettings settings = epDefaultBuildSettings();
-            settings.maxDepth = rng_below(&r, kind / 2 ? 4 : 6); /* triangles are quartered */
-            EPGeometry g = new_geometry(&p, 1, &settings);
-            oracle *o = new_oracle(&p, 1);
+            oracle *o;
+            EPGeometry g = shape_geometry(&r, shape, &o);
             const ep_patch *patch = &g->hierarchy.patches[0];
             for (int i = 0; i < 30; ++i) {
                 const ep_leaf *leaf = &g->hierarchy.leaves[rng_below(&r, (unsigned)g->hierarchy.leaf_count)];

@@ -47,17 +47,10 @@ static EPRegion new_region(const trim_shape *s)
 /* A geometry of trimmed patches, traced by a scene of its own. */
 static test_scene new_trimmed(const test_patch *patches, size_t count, EPRegion region)
 {
-    test_scene s = {.device = rtcNewDevice("threads=1"), .geometry = new_geometry(patches, count, NULL)};
-    assert_non_null(s.device);
-    assert_int_equal(epSetPatchTrim(s.geometry, 0, count, region), EP_OK);
-    CHECK(epCommitGeometry(s.geometry) == EP_OK, "%s", epGetGeometryMessage(s.geometry));
-    s.scene = rtcNewScene(s.device);
-    RTCGeometry g = epNewRTCGeometry(s.geometry, s.device);
-    CHECK(g, "%s", epGetGeometryMessage(s.geometry));
-    rtcAttachGeometry(s.scene, g);
-    rtcReleaseGeometry(g);
-    rtcCommitScene(s.scene);
-    return s;
+    EPGeometry g = new_geometry(patches, count, NULL);
+    assert_int_equal(epSetPatchTrim(g, 0, count, region), EP_OK);
+    CHECK(epCommitGeometry(g) == EP_OK, "%s", epGetGeometryMessage(g));
+    return scene_of(g);
 }
 
 /* Which hits near a border count is left open this far from it. */

@@ -9,8 +9,9 @@
  * Cells: a part of many pieces is halved along u or v, whichever duplicates fewer pieces, as long as the stored lists
  * stay within a multiple of the pieces: memory is linear in their number. */
 #include "trim/arcs.h"
-#include "trim/array.h"
 #include "trim/node.h"
+
+#include <string.h>
 
 /* Lists that are not worth a split: testing a piece costs about as much as passing a split. */
 enum { FEW_PIECES = 3 };
@@ -28,7 +29,7 @@ static EPStatus put(keeper *k, size_t count, const uint32_t *words)
 {
     ep_trim_store *s = k->store;
     if (s->count + count >= EP_NODE_MOST_WORDS) return ep_fail(k->message, EP_BAD_DATA, "too many trim curves");
-    if (!ep_array_reserve((void **)&s->words, &s->room, s->count, count, sizeof *words))
+    if (!ep_reserve((void **)&s->words, &s->room, s->count, count, sizeof *words))
         return ep_fail(k->message, EP_NO_MEMORY, "no memory to store a trim region");
     memcpy(s->words + s->count, words, count * sizeof *words);
     s->count += count;

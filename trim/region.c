@@ -5,7 +5,8 @@
  * Everything becomes Bézier curves in the domain's coordinates at once: transforms are applied to control points, and
  * splines are cut at their knots. */
 #include "trim/region.h"
-#include "trim/array.h"
+
+#include <string.h>
 
 typedef struct level {
     double transform[6]; /* to the domain */
@@ -102,8 +103,7 @@ EPStatus ep_region_begin(ep_region *r, ep_region_kind kind, const double transfo
     const bool part = r->depth && l[-1].kind == EP_REGION_LOOPS;
     if (!part) {
         if (r->node_count >= UINT32_MAX) return ep_fail(m, EP_BAD_DATA, "too many regions");
-        if (!ep_array_reserve((void **)&r->nodes, &r->node_room, r->node_count, 1, sizeof *r->nodes))
-            return no_memory(m);
+        if (!ep_reserve((void **)&r->nodes, &r->node_room, r->node_count, 1, sizeof *r->nodes)) return no_memory(m);
         r->nodes[r->node_count++] = (ep_region_node){kind, 0, (uint32_t)r->curve_count, 0};
     }
     if (r->depth) ++l[-1].children;
@@ -119,8 +119,8 @@ EPStatus ep_region_begin(ep_region *r, ep_region_kind kind, const double transfo
 static EPStatus reserve(ep_region *r, size_t curves, size_t points, ep_message *m)
 {
     if (curves > (1u << 30) - r->curve_count) return ep_fail(m, EP_BAD_DATA, "too many trim curves");
-    if (!ep_array_reserve((void **)&r->curves, &r->curve_room, r->curve_count, curves, sizeof *r->curves) ||
-        !ep_array_reserve((void **)&r->points, &r->point_room, r->point_count, points, sizeof *r->points))
+    if (!ep_reserve((void **)&r->curves, &r->curve_room, r->curve_count, curves, sizeof *r->curves) ||
+        !ep_reserve((void **)&r->points, &r->point_room, r->point_count, points, sizeof *r->points))
         return no_memory(m);
     return EP_OK;
 }

@@ -6,8 +6,9 @@
  * bottom thin parts of monotone pieces, above them runs of more and more pieces. A point outside of the rectangle is
  * decided by the ends alone: the rectangle meets the point's level on one side of it, and the run crosses that level
  * an odd number of times when its ends are on either side. Only rectangles that hold the point are opened. */
-#include "trim/array.h"
 #include "trim/methods.h"
+
+#include <string.h>
 
 typedef struct strip_node {
     double d[2], along[2], across[2]; /* direction; least and largest along it and to the left of it */
@@ -70,8 +71,8 @@ static bool add_parts(maker *k, uint32_t piece, const ep_point2h *points, unsign
         const ep_point2 mid = {right[0][0] / right[0][2], right[0][1] / right[0][2]};
         return add_parts(k, piece, left, n, from, mid) && add_parts(k, piece, right, n, mid, to);
     }
-    if (!ep_array_reserve((void **)&k->parts, &k->room, k->count, 1, sizeof *k->parts) ||
-        !ep_array_reserve((void **)&k->hull, &k->hull_room, k->hull_count, n + 1, sizeof *k->hull))
+    if (!ep_reserve((void **)&k->parts, &k->room, k->count, 1, sizeof *k->parts) ||
+        !ep_reserve((void **)&k->hull, &k->hull_room, k->hull_count, n + 1, sizeof *k->hull))
         return false;
     part *p = &k->parts[k->count++];
     *p = (part){{{from[0], from[1]}, {to[0], to[1]}}, k->hull_count, n + 1, piece};
@@ -118,7 +119,7 @@ static bool add_contour(maker *k, const ep_region_curve *curves, uint32_t first,
 static bool add_nodes(maker *k, size_t first, size_t last)
 {
     ep_strip_tree *t = k->tree;
-    if (!ep_array_reserve((void **)&t->nodes, &t->room, t->count, 1, sizeof *t->nodes)) return false;
+    if (!ep_reserve((void **)&t->nodes, &t->room, t->count, 1, sizeof *t->nodes)) return false;
     const part *a = &k->parts[first], *b = &k->parts[last - 1];
     const size_t index = t->count++;
     strip_node *n = &t->nodes[index];
@@ -142,7 +143,7 @@ static bool add_trees(maker *k)
     ep_strip_tree *t = k->tree;
     for (size_t i = 0, end; i < k->count; i = end) {
         for (end = i + 1; end < k->count && same(k->parts[end - 1].end[1], k->parts[end].end[0]);) ++end;
-        if (!ep_array_reserve((void **)&t->roots, &t->root_room, t->root_count, 1, sizeof *t->roots)) return false;
+        if (!ep_reserve((void **)&t->roots, &t->root_room, t->root_count, 1, sizeof *t->roots)) return false;
         t->roots[t->root_count++] = (uint32_t)t->count;
         if (!add_nodes(k, i, end)) return false;
     }

@@ -1,8 +1,9 @@
 /* trim.c - from a region to pieces and the root part. See trim.h.
  *
  * SPDX-License-Identifier: Apache-2.0 */
-#include "trim/array.h"
 #include "trim/node.h"
+
+#include <string.h>
 
 /* What is under way. */
 typedef struct maker {
@@ -30,8 +31,8 @@ static EPStatus make_pieces(maker *k)
         k->first_piece[i] = t->piece_count;
         if (!n) continue;
         if (t->point_count + more > UINT32_MAX) return ep_fail(k->message, EP_BAD_DATA, "too many trim curves");
-        if (!ep_array_reserve((void **)&t->pieces, &piece_room, t->piece_count, n, sizeof *t->pieces) ||
-            !ep_array_reserve((void **)&t->points, &point_room, t->point_count, more, sizeof *t->points))
+        if (!ep_reserve((void **)&t->pieces, &piece_room, t->piece_count, n, sizeof *t->pieces) ||
+            !ep_reserve((void **)&t->points, &point_room, t->point_count, more, sizeof *t->points))
             return no_memory(k->message);
         for (unsigned j = 0; j < n; ++j) {
             pieces[j].first = (uint32_t)(t->point_count + (size_t)j * (c->degree + 1));
@@ -113,7 +114,7 @@ static EPStatus make_cells(ep_trim *t, ep_message *m)
     const float box[4] = {ep_round_down(t->lo[0]), ep_round_down(t->lo[1]), ep_round_up(t->hi[0]),
                           ep_round_up(t->hi[1])};
     const ep_trim_domain d = ep_domain_rectangle(box[0], box[2], box[1], box[3], 0);
-    if (!ep_array_reserve((void **)&t->cells.words, &t->cells.room, 0, 5, sizeof(uint32_t))) return no_memory(m);
+    if (!ep_reserve((void **)&t->cells.words, &t->cells.room, 0, 5, sizeof(uint32_t))) return no_memory(m);
     t->cells.count = 5;
     EPStatus s = ep_trim_keep(t, &t->root, &d, &t->cells, &unused, m);
     t->cells.words[0] = ep_node_word(EP_NODE_BOX, 0, t->cells.count);

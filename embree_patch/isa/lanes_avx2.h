@@ -4,8 +4,7 @@
 #ifndef EP_LANES_AVX2_H
 #define EP_LANES_AVX2_H
 
-#include <immintrin.h>
-#include <stdint.h>
+#include "embree_patch/isa/lanes_x86.h"
 
 #define EP_ISA_NAME "avx2"
 #define EP_KERNELS ep_kernels_avx2
@@ -13,7 +12,6 @@
 
 typedef float w_f __attribute__((vector_size(32)));
 typedef __m256 w_m;
-typedef float f4 __attribute__((vector_size(16)));
 
 static inline w_f w_set(float x)
 {
@@ -89,31 +87,5 @@ static inline uint32_t w_load_mask(const int *p)
 {
     return w_bits(_mm256_loadu_ps((const float *)p));
 }
-static inline uint32_t f4_load_mask(const int *p)
-{
-    return (uint32_t)_mm_movemask_ps(_mm_loadu_ps((const float *)p));
-}
-
-static inline f4 f4_set(float x)
-{
-    return _mm_set1_ps(x);
-}
-static inline f4 f4_load(const float *p)
-{
-    return _mm_loadu_ps(p);
-}
-static inline f4 f4_fma(f4 a, f4 b, f4 c)
-{
-    return _mm_fmadd_ps(a, b, c);
-}
-static inline f4 f4_fnma(f4 a, f4 b, f4 c)
-{
-    return _mm_fnmadd_ps(a, b, c);
-}
-static inline f4 f4_abs(f4 a)
-{
-    return _mm_andnot_ps(_mm_set1_ps(-0.0f), a);
-}
-#define f4_lane(a, k) _mm_shuffle_ps(a, a, (k)*0x55)
 
 #endif

@@ -121,17 +121,20 @@ static const ep_patch *patch_of(const query *q)
     return &q->geometry->hierarchy.patches[q->leaf->patch];
 }
 
+/* One lane's ray, as a packet of one. */
+static void load_ray(const query *q, unsigned lane, float ray[EP_RAY_FIELDS])
+{
+    for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = q->ray[f * q->n + lane];
+}
+
 /* Finds a vague candidate again in double. */
 static ep_polished polish(const query *q, unsigned lane, candidates *c)
 {
     const unsigned n = q->n;
-    float org[3], dir[3], field[5];
-    for (unsigned k = 0; k < 3; ++k) {
-        org[k] = q->ray[(EP_RAY_ORG + k) * n + lane];
-        dir[k] = q->ray[(EP_RAY_DIR + k) * n + lane];
-    }
+    float ray[EP_RAY_FIELDS], field[5];
+    load_ray(q, lane, ray);
     for (unsigned f = 0; f < 5; ++f) field[f] = c->hit[f * n + lane];
-    const ep_polished found = ep_polish(patch_of(q), org, dir, &c->t[lane], field);
+    const ep_polished found = ep_polish(patch_of(q), ray + EP_RAY_ORG, ray + EP_RAY_DIR, &c->t[lane], field);
     if (found == EP_POLISHED)
         for (unsigned f = 0; f < 5; ++f) c->hit[f * n + lane] = field[f];
     return found;
@@ -243,7 +246,7 @@ static bool solve_by_cells(const query *q, unsigned lane, const float *ray, doub
 static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters *counters)
 {
     float ray[EP_RAY_FIELDS];
-    for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = q->ray[f * q->n + lane];
+    load_ray(q, lane, ray);
     /* The cells do not depend on tnear and tfar, or the bits would on what else the ray has met before. */
     double lo = -INFINITY, hi = INFINITY;
     if (!ep_clip(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, &lo, &hi)) return false;
@@ -266,7 +269,7 @@ static ep_outcome run_sparse(const query *q, uint32_t active, candidates *c, EPC
     for (unsigned i = 0; i < n; ++i) {
         if (!(active >> i & 1)) continue;
         float ray[EP_RAY_FIELDS], hit[5];
-        for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = q->ray[f * n + i];
+        load_ray(q, i, ray);
         const ep_outcome o =
             q->geometry->kernels->single[q->leaf->shape](q->leaf, q->net, ray, 1, 1, &c->t[i], hit, counters);
         all.slow |= o.slow << i;
