@@ -31,26 +31,35 @@ typedef struct ep_outcome {
 typedef ep_outcome ep_packet_kernel(const ep_leaf *leaf, const float *net, const float *ray, unsigned n,
                                     uint32_t active, float *t, float *hit, EPCounters *counters);
 
-/* What became of the sixteen cells of a nearly tangent ray; one bit a cell, cells in order of t. */
+/* A nearly tangent ray's way through a leaf is cut into so many cells; up to EP_PACKET / EP_CELLS rays at a time. */
+#define EP_CELLS 4
+
+/* What became of cell c of ray r: element r EP_CELLS + c; cells in order of t. */
 typedef struct ep_cells {
-    alignas(64) float t[EP_PACKET];
-    float s[EP_PACKET], r[EP_PACKET]; /* the root in leaf coordinates ...                          */
-    float radius[EP_PACKET];          /* ... and how accurate it is                                */
-    float fields[5 * EP_PACKET];      /* Ng, u, v as in a hit packet of 16                         */
-    uint32_t hit;                     /* has the one root near this cell, within (tnear, tfar)     */
-    uint32_t vague;                   /* those that ep_polish has to find again                    */
-    uint32_t open;                    /* undecided                                                 */
+    alignas(64) float t[EP_PACKET];   /* the root's                                              */
+    float middle[EP_PACKET];          /* the cell's middle ...                                   */
+    float reach[EP_PACKET];           /* ... and half its length, in t                           */
+    float s[EP_PACKET], r[EP_PACKET]; /* the root in leaf coordinates ...                        */
+    float radius[EP_PACKET];          /* ... and how accurate it is                              */
+    float fields[5 * EP_PACKET];      /* Ng, u, v as in a hit packet of 16                       */
+    uint32_t hit;                     /* has the first root near this cell, within (tnear, tfar) */
+    uint32_t vague;                   /* those that ep_polish has to find again                  */
+    uint32_t more;                    /* those that may have another root, farther on            */
+    uint32_t open;                    /* undecided                                               */
+    uint32_t hopeless;                /* those of them that smaller cells would not decide       */
 } ep_cells;
 
-typedef void ep_cells_kernel(const ep_leaf *leaf, const float *net, const float *ray, double lo, double hi,
-                             ep_cells *out);
+/* Rays lanes[0] to lanes[count - 1] of a packet of n. The cells of the r-th divide the part from[r] to to[r] of its way
+ * through the leaf's prism, all of which is -1 to 1. */
+typedef void ep_cells_kernel(const ep_leaf *leaf, const float *net, const float *ray, unsigned n, const unsigned *lanes,
+                             unsigned count, const float *from, const float *to, ep_cells *out);
 
 typedef struct ep_kernels {
     const char *isa;
     unsigned width;                      /* lanes a step */
     ep_packet_kernel *packet[EP_SHAPES]; /* n = 4, 8, 16 */
     ep_packet_kernel *single[EP_SHAPES]; /* n = 1        */
-    ep_cells_kernel *cells[EP_SHAPES];   /* one ray, between t = lo and hi, where it is in the leaf's prism */
+    ep_cells_kernel *cells[EP_SHAPES];
     /* What a filter needs around it, for packets of n = 4, 8, 16. `before` and `valid` have room for 16 and are
      * aligned. offer: valid = -1 in `mask` and 0 elsewhere; the rays' tfar becomes t there, and all of it is kept in
      * before. settle: gives tfar back to lanes of `mask` that are no longer valid, and returns those that are. active:

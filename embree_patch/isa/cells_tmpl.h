@@ -1,85 +1,145 @@
-/* cells_tmpl.h - one nearly tangent ray against one leaf: its way through the prism, cut into a cell a lane.
+/* cells_tmpl.h - nearly tangent rays against one leaf: their ways through the prism, cut into a cell a lane.
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * Newton from the leaf's plane covers all of the ray's way through the prism at once; near tangency that is too long
- * for the certificate, and there may be two roots. A cell covers a sixteenth of the way: the origin is moved to its
- * middle, and a root whose t lies in the cell is within side + half the cell's length of the origin's (s, t). The
- * certificate then holds, or fails, for each cell on its own.
+ * Newton from the leaf's plane covers all of a ray's way through the prism at once; near tangency that is too long for
+ * the certificate, and there may be two roots. Here the way is cut into EP_CELLS, with the origin moved to the middle
+ * of each, and the certificate holds, or fails, for each on its own; where the ray is tangent, fold_tmpl.h shrinks what
+ * is left. Four rays at a time with sixteen lanes; a ray always gets the same cells, whoever else is in the packet.
  *
- * `side` bounds r_st over the whole leaf, and would soon be most of that distance. But where the ray is in s, t, the
- * root is r_st(x*) away, and r_st(y) is known once S(y) is: with |Dr_st| <= stretch over D and any y in D,
+ * Where the ray is in s, t, the root is r_st(x*) away, and r_st(y) is known once S(y) is. With |Dr_st| <= stretch over
+ * D and any y in D,
  *
  *     |x* - (y - S_st(y) + o_st)| <= stretch |x* - y| + half the cell's way along the leaf,
  *     (1 - stretch) |x* - y| <= |S_st(y) - o_st| + that. */
 
-EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, double lo, double hi, ep_cells *out,
-                       int triangle, unsigned m, unsigned n, int rational)
+/* Rays of a vector. */
+#define EP_CELL_RAYS (EP_LANES / EP_CELLS)
+
+/* Field `field` of the rays, each in all lanes of its cells. */
+EP_INLINE w_f w_spread_rays(const float *ray, unsigned n, unsigned field, const unsigned *lane)
 {
-    const double length = (hi - lo) / EP_PACKET;
-    const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
-    w_f org[3], dir[3], o[3];
-    for (int c = 0; c < 3; ++c) {
-        org[c] = w_set(ray[EP_RAY_ORG + c]);
-        dir[c] = w_set(ray[EP_RAY_DIR + c]);
-    }
-    w_relative(leaf, org, o);
-    const w_3 d = w_to_leaf(leaf, dir);
-    const w_f d_sum = (w_abs(dir[0]) + w_abs(dir[1])) + w_abs(dir[2]);
-    /* half a cell, and the rounding of its middle */
-    const float half = (float)(0.5000001 * length + 0x1p-22 * fmax(fabs(lo), fabs(hi)));
+    float x[EP_LANES];
+    for (unsigned k = 0; k < EP_LANES; ++k) x[k] = ray[field * n + lane[k / EP_CELLS]];
+    return w_load(x, EP_LANES);
+}
+
+/* Where the rays are in the prism: from and to, in t relative to where they meet the leaf's plane. o: approximately
+ * their origins. */
+EP_INLINE w_f w_clip(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d_sum, w_f *from, w_f *to)
+{
+    const w_f inverse = w_set(1.0f) / d.z, t_plane = -o.z * inverse, far = w_abs(t_plane) * d_sum;
+    const w_f side = w_fma(w_set(leaf->reach_st), far, w_set(leaf->side));
+    const w_f reach = w_abs(inverse) * w_fma(w_set(leaf->reach_h), far, w_set(leaf->height));
+    const w_f s = w_fma(t_plane, d.x, o.x), t = w_fma(t_plane, d.y, o.y);
+    *from = -reach;
+    *to = reach;
+    w_clip_domain(triangle, s, t, d.x, d.y, side, from, to);
+    return t_plane;
+}
+
+EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays, const unsigned *lanes,
+                       unsigned count, const float *from, const float *to, ep_cells *out, int triangle, unsigned m,
+                       unsigned n, int rational)
+{
     /* Dr is zero at the middle of the leaf, to rounding, and changes by bend_st */
     const float stretch = leaf->bend_st * (triangle ? 2 * EP_THIRD : EP_HALF) + leaf->noise_st;
-    const w_f twice = w_set(triangle ? 2.0f : 1.0f);
-    out->hit = out->vague = out->open = 0;
-    for (unsigned base = 0; base < EP_PACKET; base += EP_LANES) {
-        float middle[EP_LANES];
-        for (unsigned k = 0; k < EP_LANES; ++k) middle[k] = (float)(lo + length * (base + k + 0.5));
+    const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f);
+    out->hit = out->vague = out->more = out->open = out->hopeless = 0;
+    for (unsigned first = 0, base = 0; first < count; first += EP_CELL_RAYS, base += EP_LANES) {
+        unsigned lane[EP_CELL_RAYS];
+        float centre[EP_LANES], length[EP_LANES]; /* of the cells, relative to half the way */
+        uint32_t all = 0;
+        for (unsigned r = 0; r < EP_CELL_RAYS; ++r) {
+            const unsigned k = first + r < count ? first + r : first;
+            lane[r] = lanes[k];
+            if (k == first + r) all |= ((1u << EP_CELLS) - 1) << r * EP_CELLS;
+            for (unsigned c = 0; c < EP_CELLS; ++c) {
+                length[r * EP_CELLS + c] = (to[k] - from[k]) / (2 * EP_CELLS);
+                centre[r * EP_CELLS + c] = from[k] + (to[k] - from[k]) * ((float)c + 0.5f) / EP_CELLS;
+            }
+        }
+        w_f org[3], dir[3], o[3], near[3];
+        for (unsigned c = 0; c < 3; ++c) {
+            org[c] = w_spread_rays(ray, rays, EP_RAY_ORG + c, lane);
+            dir[c] = w_spread_rays(ray, rays, EP_RAY_DIR + c, lane);
+        }
+        const w_f tnear = w_spread_rays(ray, rays, EP_RAY_TNEAR, lane);
+        const w_f tfar = w_spread_rays(ray, rays, EP_RAY_TFAR, lane);
+        w_relative(leaf, org, o);
+        for (int c = 0; c < 3; ++c) near[c] = o[c] - w_set(leaf->centre_low[c]);
+        const w_3 d = w_to_leaf(leaf, dir);
+        const w_f d_sum = (w_abs(dir[0]) + w_abs(dir[1])) + w_abs(dir[2]);
+        w_f begin, end;
+        const w_f t_plane = w_clip(leaf, triangle, w_to_leaf(leaf, near), d, d_sum, &begin, &end);
+        const w_f middle = t_plane + half * (begin + end);
+        /* and the rounding of the middle and of what it is made of */
+        const w_f way = w_fma(half, end - begin, w_set(0x1p-21f) * ((w_abs(t_plane) + w_abs(begin)) + w_abs(end)));
+        const w_f cell = way * w_load(centre, EP_LANES), reach = w_set(0x1.00001p0f) * way * w_load(length, EP_LANES);
+        w_store(out->middle + base, ~0u, middle + cell);
+        w_store(out->reach + base, ~0u, reach);
+        const w_3 moved = w_move(leaf, org, o, dir, middle);
+
         w_visit v;
-        v.t_plane = w_load(middle, EP_LANES);
-        v.o = w_move(leaf, org, o, dir, v.t_plane);
-        v.inverse = w_set(1.0f) / d.z;
+        v.o = (w_3){w_fma(cell, d.x, moved.x), w_fma(cell, d.y, moved.y), w_fma(cell, d.z, moved.z)};
+        v.inverse = one / d.z;
         v.p_s = d.x * v.inverse;
         v.p_t = d.y * v.inverse;
-        v.way = d_sum * w_set(half);
+        v.way = d_sum * way;
         v.noise_st = w_fma(w_set(leaf->reach_st), v.way, w_set(leaf->noise_st));
         v.noise_h = w_fma(w_set(leaf->reach_h), v.way, w_set(leaf->noise_h));
-        v.s = v.o.x;
-        v.t = v.o.y;
-        const w_f way = w_fma(w_max(w_abs(d.x), w_abs(d.y)), w_set(half), v.noise_st);
-        w_clamp(triangle, &v.s, &v.t);
-        v.radius = twice * (way + w_set(leaf->side));
-        w_jet jet = w_jet_at(net, &v, triangle, m, n, rational);
-        for (int k = 0; k < 3 && stretch < 1; ++k) {
-            v.s = v.s - jet.at.x;
-            v.t = v.t - jet.at.y;
-            w_clamp(triangle, &v.s, &v.t);
-            jet = w_jet_at(net, &v, triangle, m, n, rational);
-            const w_f residual = (w_max(w_abs(jet.at.x), w_abs(jet.at.y)) + way) / w_set(1 - stretch);
-            v.radius = w_min(residual, twice * w_fma(w_set(stretch), v.radius, way));
-        }
-        v.live = w_and(w_le(w_set(0.0f), v.radius), w_lt(w_max(w_abs(v.p_s), w_abs(v.p_t)), w_set(EP_STEEP)));
-        v.slow = w_andnot(w_mask(~0u), v.live);
+        const w_m out_of_range = w_or(w_or(w_lt(end, begin), w_lt(tfar, ((middle + cell) - reach) - reach)),
+                                      w_lt(((middle + cell) + reach) + reach, tnear));
+        const w_m in = w_andnot(w_mask(all), out_of_range);
+        v.live = w_and(in, w_lt(w_max(w_abs(v.p_s), w_abs(v.p_t)), w_set(EP_STEEP)));
+        if (!(stretch < 1)) v.live = w_mask(0);
+        v.slow = w_andnot(in, v.live);
+        out->hopeless |= w_bits(v.slow) << base;
+        v.more = w_mask(0);
+        v.other_s = v.other_t = v.other_radius = zero;
 
-        uint32_t live = w_bits(v.live);
-        while (live) {
-            const w_step step = w_advance(leaf, &v, triangle, &jet);
-            const w_f t = v.t_plane + step.distance;
-            const w_m within = w_and(w_lt(w_set(tnear), t), w_le(t, w_set(tfar)));
-            const w_m hit = w_and(step.hit, w_or(within, step.vague));
-            const uint32_t found = w_bits(hit);
-            if (found) {
-                out->hit |= found << base;
-                out->vague |= w_bits(w_and(hit, step.vague)) << base;
-                w_store(out->t + base, found, t);
-                w_store(out->s + base, found, step.s);
-                w_store(out->r + base, found, step.t);
-                w_store(out->radius + base, found, step.radius);
-                w_put_hit(leaf, triangle, &jet, &step, out->fields + base, EP_PACKET, found);
-            }
-            live = w_bits(v.live);
-            if (live) jet = w_jet_at(net, &v, triangle, m, n, rational);
+        /* the model says where S_st is o */
+        const w_f u[2] = {v.o.x, v.o.y};
+        w_f at[2];
+        for (int c = 0; c < 2; ++c) {
+            const w_f second[3] = {w_set(leaf->second[0][c]), w_set(leaf->second[1][c]), w_set(leaf->second[2][c])};
+            at[c] = w_fnma(half, w_form(second, u, u), u[c]);
         }
+        v.s = at[0];
+        v.t = at[1];
+        w_clamp(triangle, &v.s, &v.t);
+        w_jet jet = w_jet_at(net, &v, triangle, m, n, rational);
+        const w_f along = w_fma(w_max(w_abs(d.x), w_abs(d.y)), reach, v.noise_st);
+        v.radius = w_min((w_max(w_abs(jet.at.x), w_abs(jet.at.y)) + along) / w_set(1 - stretch), one);
+
+        const w_f height = w_abs(d.z) * reach + v.noise_h;
+        /* advance would not decide: the whole leaf's certificate has not */
+        const w_m fresh = v.live;
+        v.live = w_mask(0);
+        w_fold(leaf, &v, triangle, &jet, height, fresh);
+        uint32_t live = w_bits(v.live), hit = 0;
+        while (live) {
+            jet = w_jet_at(net, &v, triangle, m, n, rational);
+            const w_step step = w_advance(leaf, &v, triangle, &jet);
+            if (w_bits(step.stuck)) w_fold(leaf, &v, triangle, &jet, height, step.stuck);
+            const w_f t = middle + (cell + step.distance);
+            const w_m within = w_and(w_lt(tnear, t), w_le(t, tfar));
+            const w_m found = w_and(step.hit, w_or(within, step.vague));
+            const uint32_t bits = w_bits(found);
+            if (bits) {
+                hit |= bits;
+                out->vague |= w_bits(w_and(found, step.vague)) << base;
+                w_store(out->t + base, bits, t);
+                w_store(out->s + base, bits, step.s);
+                w_store(out->r + base, bits, step.t);
+                w_store(out->radius + base, bits, step.radius);
+                w_put_hit(leaf, triangle, &jet, &step, out->fields + base, EP_PACKET, bits);
+            }
+            if (w_bits(v.more)) w_other(&v, w_mask(~hit));
+            live = w_bits(v.live);
+        }
+        out->hit |= hit << base;
+        out->more |= (w_bits(v.more) & hit) << base;
         out->open |= w_bits(v.slow) << base;
     }
 }

@@ -65,6 +65,10 @@ static inline w_f w_abs(w_f a)
 {
     return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a);
 }
+static inline w_f w_sqrt(w_f a)
+{
+    return _mm256_sqrt_ps(a);
+}
 static inline uint32_t w_bits(w_m m)
 {
     return (uint32_t)_mm256_movemask_ps(m);

@@ -69,6 +69,10 @@ static inline w_f w_abs(w_f a)
 {
     return _mm512_abs_ps(a);
 }
+static inline w_f w_sqrt(w_f a)
+{
+    return _mm512_sqrt_ps(a);
+}
 static inline uint32_t w_bits(w_m m)
 {
     return m;

@@ -87,6 +87,10 @@ static inline w_f w_abs(w_f a)
 {
     return (w_f)((w_m)a & 0x7fffffff);
 }
+static inline w_f w_sqrt(w_f a)
+{
+    return (w_f){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])};
+}
 static inline uint32_t w_bits(w_m m)
 {
     return (m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8);

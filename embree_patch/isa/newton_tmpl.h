@@ -21,7 +21,7 @@
 /* A root that rounding may have displaced by more than EP_FLAT along a leaf, where the ray is nearly tangent, is found
  * again in double; and so is one that may be farther than EP_SHARP on either side of the leaf's border. */
 #ifndef EP_FLAT
-#define EP_FLAT 0x1p-15f
+#define EP_FLAT 0x1p-16f
 #define EP_SHARP 0x1p-18f
 #endif
 
@@ -57,6 +57,8 @@ typedef struct X(visit) {
     X(f) radius;            /* all roots are within this of it                             */
     X(m) live;              /* neither certified to miss nor slow                          */
     X(m) slow;
+    X(m) more;              /* there is another such neighbourhood, farther along the ray  */
+    X(f) other_s, other_t, other_radius;
 } X(visit);
 
 /* The surface at (s, t), in leaf coordinates: S - o, and its derivatives. */
@@ -69,6 +71,7 @@ typedef struct X(step) {
     X(f) radius;               /* the roots are within this of it              */
     X(f) distance;             /* the root's t relative to the moved origin    */
     X(m) hit, vague;           /* vague: float says that there is one, double has to say where */
+    X(m) stuck;                /* neither, and the neighbourhood does not shrink               */
 } X(step);
 
 /* The nearest point of the domain, or close to it. */
@@ -258,12 +261,13 @@ EP_INLINE X(step) X(advance)(const ep_leaf *leaf, X(visit) * v, int triangle, co
     const X(m) shrinks = X(lt)(r.radius, X(set)(0.75f) * v->radius);
     r.hit = X(andnot)(X(and)(v->live, done), miss);
     v->live = X(andnot)(v->live, X(or)(miss, done));
-    v->slow = X(or)(v->slow, X(andnot)(v->live, shrinks));
+    r.stuck = X(andnot)(v->live, shrinks);
     v->live = X(and)(v->live, shrinks);
-    v->radius = r.radius;
-    v->s = r.s;
-    v->t = r.t;
-    X(clamp)(triangle, &v->s, &v->t);
+    X(f) s = r.s, t = r.t;
+    X(clamp)(triangle, &s, &t);
+    v->s = X(select)(shrinks, s, v->s);
+    v->t = X(select)(shrinks, t, v->t);
+    v->radius = X(select)(shrinks, r.radius, v->radius);
     return r;
 }
 

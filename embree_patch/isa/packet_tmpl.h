@@ -102,6 +102,7 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
             const w_jet jet = w_jet_at(net, &visit, triangle, m, n, rational);
             counters->evaluations += (unsigned)__builtin_popcount(live);
             const w_step step = w_advance(leaf, &visit, triangle, &jet);
+            visit.slow = w_or(visit.slow, step.stuck);
             const w_f t = visit.t_plane + step.distance;
             const w_f before = w_load(ray + EP_RAY_TFAR * rays, rays - base);
             const w_m within = w_and(w_lt(w_load(ray + EP_RAY_TNEAR * rays, rays - base), t), w_le(t, before));

@@ -55,6 +55,7 @@ EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const float *net, const float
         const s_jet jet = s_jet_at(net, &visit, triangle, m, n, rational);
         ++counters->evaluations;
         const s_step step = s_advance(leaf, &visit, triangle, &jet);
+        visit.slow = visit.slow | step.stuck;
         const float t = visit.t_plane + step.distance;
         if (!(step.hit && ((tnear < t && t <= tfar) || step.vague))) continue;
         *t_out = t;

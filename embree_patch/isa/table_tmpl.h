@@ -23,6 +23,7 @@ typedef f4 s_v;
 #undef X
 #include "embree_patch/isa/packet_tmpl.h"
 #include "embree_patch/isa/single_tmpl.h"
+#include "embree_patch/isa/fold_tmpl.h"
 #include "embree_patch/isa/cells_tmpl.h"
 
 /* The three kernels of a shape; `m` and `n` may read the leaf. */
@@ -38,10 +39,10 @@ typedef f4 s_v;
         (void)rays, (void)active;                                                                                      \
         return s_single(leaf, net, ray, t, hit, counters, triangle, m, n, rational);                                   \
     }                                                                                                                  \
-    static void cells_##name(const ep_leaf *leaf, const float *net, const float *ray, double lo, double hi,            \
-                             ep_cells *out)                                                                            \
+    static void cells_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,                   \
+                             const unsigned *lanes, unsigned count, const float *from, const float *to, ep_cells *out) \
     {                                                                                                                  \
-        w_cells(leaf, net, ray, lo, hi, out, triangle, m, n, rational);                                                \
+        w_cells(leaf, net, ray, rays, lanes, count, from, to, out, triangle, m, n, rational);                          \
     }
 
 #if EP_ANY_DEGREE

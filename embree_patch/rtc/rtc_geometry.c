@@ -198,112 +198,169 @@ typedef struct last_root {
     float s, r, radius;
 } last_root;
 
-/* Rounds of cells before subdivision; each looks sixteen times closer. */
+/* Rounds of cells before subdivision. */
 enum { CELL_ROUNDS = 5 };
 
-/* The ray between lo and hi, cell by cell in order of t; a run of undecided cells is cut into cells again. */
-static bool solve_by_cells(const query *q, unsigned lane, const float *ray, double lo, double hi, unsigned round,
-                           last_root *last, candidates *c, EPCounters *counters)
+/* A ray's way through the prism, its cells and what they are part of. */
+typedef struct cell_walk {
+    const query *q;
+    unsigned lane;
+    float ray[EP_RAY_FIELDS];
+    last_root last;
+    candidates *c;
+    EPCounters *counters;
+} cell_walk;
+
+static bool look_closer(cell_walk *w, float from, float to, unsigned round);
+
+/* The double-precision solver, from one cell's beginning to another's end. */
+static bool subdivide_cells(cell_walk *w, const ep_cells *cells, unsigned first, unsigned last)
 {
-    ep_cells cells;
-    q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, ray, lo, hi, &cells);
-    const double length = (hi - lo) / EP_PACKET;
-    for (unsigned k = 0; k < EP_PACKET; ++k) {
-        if (cells.open >> k & 1) {
-            unsigned end = k + 1;
-            while (end < EP_PACKET && cells.open >> end & 1) ++end;
-            const double from = lo + length * k, to = lo + length * end;
-            if (round + 1 < CELL_ROUNDS && end - k < EP_PACKET) {
-                if (solve_by_cells(q, lane, ray, from, to, round + 1, last, c, counters)) return true;
-            } else {
-                ++counters->slow;
-                if (solve_by_subdivision(q, lane, ray, from, to, c)) return true;
-            }
-            k = end - 1;
-        } else if (cells.hit >> k & 1) {
-            const float near = last->radius + cells.radius[k];
-            if (last->any && fabsf(cells.s[k] - last->s) <= near && fabsf(cells.r[k] - last->r) <= near) continue;
-            *last = (last_root){true, cells.s[k], cells.r[k], cells.radius[k]};
-            float field[5];
-            for (unsigned f = 0; f < 5; ++f) field[f] = cells.fields[f * EP_PACKET + k];
-            put_root(q, lane, cells.t[k], field, c);
-            const ep_polished found = cells.vague >> k & 1 ? polish(q, lane, c) : EP_POLISHED;
-            if (found == EP_POLISHED && in_front(q, lane, c) && is_inside(q, lane, c) && offer(q, 1u << lane, c))
-                return true;
-            if (found == EP_POLISHED_LOST) {
-                /* it is near the cell, not necessarily in it */
-                ++counters->slow;
-                if (solve_by_subdivision(q, lane, ray, lo + length * (k - 1.0), lo + length * (k + 2.0), c))
-                    return true;
-            }
-        }
+    /* cells are given in float */
+    const double t0 = (double)cells->middle[first], t1 = (double)cells->middle[last];
+    const double rounding = 0x1p-22 * fmax(fabs(t0), fabs(t1));
+    ++w->counters->slow;
+    return solve_by_subdivision(w->q, w->lane, w->ray, t0 - (double)cells->reach[first] - rounding,
+                                t1 + (double)cells->reach[last] + rounding, w->c);
+}
+
+/* Offers the root of a cell; true if it is accepted. */
+static bool take_root(cell_walk *w, const ep_cells *cells, unsigned k)
+{
+    const float near = w->last.radius + cells->radius[k];
+    if (w->last.any && fabsf(cells->s[k] - w->last.s) <= near && fabsf(cells->r[k] - w->last.r) <= near) return false;
+    w->last = (last_root){true, cells->s[k], cells->r[k], cells->radius[k]};
+    float field[5];
+    for (unsigned f = 0; f < 5; ++f) field[f] = cells->fields[f * EP_PACKET + k];
+    put_root(w->q, w->lane, cells->t[k], field, w->c);
+    const ep_polished found = cells->vague >> k & 1 ? polish(w->q, w->lane, w->c) : EP_POLISHED;
+    if (found == EP_POLISHED_LOST) {
+        /* it is near the cell, not necessarily in it */
+        const double t = (double)cells->t[k], reach = 3 * (double)cells->reach[k] + 0x1p-22 * fabs(t);
+        ++w->counters->slow;
+        return solve_by_subdivision(w->q, w->lane, w->ray, t - reach, t + reach, w->c);
+    }
+    return found == EP_POLISHED && in_front(w->q, w->lane, w->c) && is_inside(w->q, w->lane, w->c) &&
+           offer(w->q, 1u << w->lane, w->c);
+}
+
+/* Takes what was found in cells[first] to cells[first + EP_CELLS - 1] in order. Undecided ones are cut into cells
+ * again: at most half of them at a time, so that these get smaller. */
+static bool walk_cells(cell_walk *w, const ep_cells *cells, unsigned first, float from, float to, unsigned round)
+{
+    const float length = (to - from) / EP_CELLS;
+    for (unsigned k = 0, end; k < EP_CELLS; k = end) {
+        const uint32_t hit = cells->hit >> (first + k),
+                       open = (cells->open | (cells->more & cells->hit)) >> (first + k);
+        end = k + 1;
+        if (hit & 1 && take_root(w, cells, first + k)) return true;
+        if (!(open & 1)) continue;
+        const bool finer = round + 1 < CELL_ROUNDS && !(cells->hopeless >> (first + k) & 1);
+        while (end < EP_CELLS && end - k < (finer ? EP_CELLS / 2 : EP_CELLS) &&
+               open >> (end - k) & ~hit >> (end - k) & 1)
+            ++end;
+        if (finer ? look_closer(w, from + length * (float)k, from + length * (float)end, round + 1)
+                  : subdivide_cells(w, cells, first + k, first + end - 1))
+            return true;
     }
     return false;
 }
 
-/* A ray that the certificate of the whole leaf did not decide: cell by cell along its way through the prism, and by
- * subdivision where that does not do either. */
-static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters *counters)
+static bool look_closer(cell_walk *w, float from, float to, unsigned round)
 {
-    float ray[EP_RAY_FIELDS];
-    load_ray(q, lane, ray);
-    /* The cells do not depend on tnear and tfar, or the bits would on what else the ray has met before. */
-    double lo = -INFINITY, hi = INFINITY;
-    if (!ep_clip(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, &lo, &hi)) return false;
-    if (!(lo <= ray[EP_RAY_TFAR] && hi >= ray[EP_RAY_TNEAR])) return false;
-    /* where the parametrisation folds or collapses, cells cannot decide either */
-    if (q->leaf->height < INFINITY && q->leaf->bend_st < 2) {
-        last_root last = {0};
-        ++counters->cells;
-        return solve_by_cells(q, lane, ray, lo, hi, 0, &last, c, counters);
-    }
-    ++counters->slow;
-    return solve_by_subdivision(q, lane, ray, lo, hi, c);
+    const query *q = w->q;
+    static const unsigned only = 0;
+    ep_cells cells;
+    q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, w->ray, 1, &only, 1, &from, &to, &cells);
+    return walk_cells(w, &cells, 0, from, to, round);
 }
 
-/* One or two rays of a packet, each by the single-ray kernel, which is cheaper then; the bits are the same. */
-static ep_outcome run_sparse(const query *q, uint32_t active, candidates *c, EPCounters *counters)
+/* Rays that the certificate of the whole leaf did not decide: cell by cell along their way through the prism, and by
+ * subdivision where that does not do either. Returns the accepted lanes. */
+static uint32_t solve_lanes(const query *q, uint32_t slow, candidates *c, EPCounters *counters)
 {
-    ep_outcome all = {0, 0, 0, 0};
-    const unsigned n = q->n;
-    for (unsigned i = 0; i < n; ++i) {
-        if (!(active >> i & 1)) continue;
-        float ray[EP_RAY_FIELDS], hit[5];
-        load_ray(q, i, ray);
-        const ep_outcome o =
-            q->geometry->kernels->single[q->leaf->shape](q->leaf, q->net, ray, 1, 1, &c->t[i], hit, counters);
-        all.slow |= o.slow << i;
-        if (!o.hit) continue;
-        all.hit |= 1u << i;
-        all.tie |= o.tie << i;
-        all.vague |= o.vague << i;
-        for (unsigned f = 0; f < 5; ++f) c->hit[f * n + i] = hit[f];
+    enum { RAYS = EP_PACKET / EP_CELLS };
+    static const float begin[RAYS] = {-1, -1, -1, -1}, end[RAYS] = {1, 1, 1, 1};
+    uint32_t accepted = 0;
+    /* where the parametrisation folds or collapses, cells cannot decide either */
+    const bool cut = q->leaf->height < INFINITY && q->leaf->bend_st < 2;
+    while (slow) {
+        unsigned lanes[RAYS], count = 0;
+        for (; slow && count < RAYS; slow &= slow - 1) lanes[count++] = (unsigned)__builtin_ctz(slow);
+        ep_cells cells;
+        if (cut)
+            q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, q->ray, q->n, lanes, count, begin, end,
+                                                        &cells);
+        for (unsigned r = 0; r < count; ++r) {
+            cell_walk w = {.q = q, .lane = lanes[r], .c = c, .counters = counters};
+            load_ray(q, lanes[r], w.ray);
+            bool done = false;
+            if (cut) {
+                ++counters->cells;
+                done = walk_cells(&w, &cells, r * EP_CELLS, -1, 1, 0);
+            } else {
+                double lo = -INFINITY, hi = INFINITY;
+                ++counters->slow;
+                if (ep_clip(patch_of(q), q->leaf, w.ray + EP_RAY_ORG, w.ray + EP_RAY_DIR, &lo, &hi))
+                    done = solve_by_subdivision(q, lanes[r], w.ray, lo, hi, c);
+            }
+            accepted |= (uint32_t)done << lanes[r];
+        }
     }
-    return all;
+    return accepted;
+}
+
+/* All rays of a packet of n: the kernel answers for most, the others are looked at more closely. */
+static uint32_t run_packet(const query *q, uint32_t active, EPCounters *counters)
+{
+    candidates c;
+    const ep_kernels *kernels = q->geometry->kernels;
+    ep_outcome o = q->n == 1
+                       ? kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, 1, 1, c.t, c.hit, counters)
+                       : kernels->packet[q->leaf->shape](q->leaf, q->net, q->ray, q->n, active, c.t, c.hit, counters);
+    uint32_t front = o.tie | o.vague ? settle(q, &o, &c) : o.hit;
+    if (q->leaf->trim && front) front = inside(q, front, &c);
+    uint32_t accepted = front ? offer(q, front, &c) : 0;
+    if (o.slow) accepted |= solve_lanes(q, o.slow, &c, counters);
+    return accepted;
+}
+
+/* A packet's few active rays, one at a time: for up to two that is cheaper, and gives the same bits. */
+static uint32_t run_sparse(const query *q, uint32_t active, EPCounters *counters)
+{
+    const unsigned n = q->n, fields = q->intersect ? EP_RAY_FIELDS + HIT_FIELDS : EP_RAY_FIELDS;
+    uint32_t accepted = 0;
+    for (; active; active &= active - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(active);
+        alignas(64) float ray[EP_RAY_FIELDS + HIT_FIELDS];
+        load_ray(q, lane, ray);
+        if (q->intersect) /* what in_front looks at */
+            for (unsigned f = EP_RAY_FIELDS + EP_HIT_U; f <= EP_RAY_FIELDS + HIT_GEOM; ++f)
+                ray[f] = q->ray[f * n + lane];
+        query one = *q;
+        one.ray = ray;
+        one.n = 1;
+        if (!run_packet(&one, 1, counters)) continue;
+        accepted |= 1u << lane;
+        for (unsigned f = EP_RAY_TFAR; f < fields; ++f) q->ray[f * n + lane] = ray[f];
+    }
+    return accepted;
 }
 
 static void run(const query *q, int *valid)
 {
-    const ep_kernels *kernels = q->geometry->kernels;
     EPCounters *counters = ep_counters();
-    candidates c;
-    const uint32_t active = q->n == 1 ? 1 : kernels->active(valid, q->n);
-    const uint32_t beyond = active & (active - 1); /* all but the first */
-    uint32_t accepted = 0;
-    if (!valid[0] && q->n == 1) return;
-    ep_outcome o;
-    if (q->n == 1) o = kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, 1, 1, c.t, c.hit, counters);
-    else if (!(beyond & (beyond - 1))) o = run_sparse(q, active, &c, counters);
-    else o = kernels->packet[q->leaf->shape](q->leaf, q->net, q->ray, q->n, active, c.t, c.hit, counters);
-    uint32_t front = settle(q, &o, &c);
-    if (q->leaf->trim && front) front = inside(q, front, &c);
-    if (front) accepted = offer(q, front, &c);
-    for (uint32_t slow = o.slow; slow; slow &= slow - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(slow);
-        accepted |= (uint32_t)solve_lane(q, lane, &c, counters) << lane;
+    if (q->n == 1) {
+        if (valid[0]) ep_rtc_report(valid, 0, run_packet(q, 1, counters));
+        return;
     }
-    for (unsigned i = 0; i < q->n; ++i)
-        if (active >> i & 1) ep_rtc_report(valid, i, accepted >> i & 1);
+    const uint32_t active = q->geometry->kernels->active(valid, q->n);
+    const uint32_t beyond = active & (active - 1); /* all but the first */
+    const uint32_t accepted = beyond & (beyond - 1) ? run_packet(q, active, counters) : run_sparse(q, active, counters);
+    for (uint32_t rest = active; rest; rest &= rest - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(rest);
+        ep_rtc_report(valid, lane, accepted >> lane & 1);
+    }
 }
 
 static void intersect(const struct RTCIntersectFunctionNArguments *args)
