@@ -97,7 +97,7 @@ static uint32_t offer(const query *q, uint32_t mask, candidates *c)
 }
 
 /* Is a candidate in front of what the ray has? Neighbouring leaves both find a root on their common border; where
- * their t is the same float, the smaller primID, then u, then v decides, not which leaf came first. */
+ * their t is the same float, the smaller primID, then u, v and Ng decide, not which leaf came first. */
 static bool in_front(const query *q, unsigned lane, const candidates *c)
 {
     const unsigned n = q->n;
@@ -111,9 +111,12 @@ static bool in_front(const query *q, unsigned lane, const candidates *c)
     memcpy(&prim, &hit[HIT_PRIM * n + lane], sizeof prim);
     if (geom != q->geom_id || prim < q->leaf->patch) return false;
     if (prim > q->leaf->patch) return true;
-    const float u = c->hit[EP_HIT_U * n + lane], v = c->hit[EP_HIT_V * n + lane];
-    const float hit_u = hit[EP_HIT_U * n + lane], hit_v = hit[EP_HIT_V * n + lane];
-    return u < hit_u || (u == hit_u && v < hit_v);
+    static const unsigned fields[] = {EP_HIT_U, EP_HIT_V, EP_HIT_NG, EP_HIT_NG + 1, EP_HIT_NG + 2};
+    for (unsigned f = 0; f < EP_ARRAY_LEN(fields); ++f) {
+        const unsigned at = fields[f] * n + lane;
+        if (c->hit[at] != hit[at]) return c->hit[at] < hit[at];
+    }
+    return false;
 }
 
 static const ep_patch *patch_of(const query *q)
@@ -173,10 +176,12 @@ static void put_root(const query *q, unsigned lane, float t, const float field[5
     for (unsigned f = 0; f < 5; ++f) c->hit[f * q->n + lane] = field[f];
 }
 
+/* Which of several roots that floats cannot tell apart is found depends on where the search goes, so it must not go by
+ * what the ray has met before. */
 static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray, double lo, double hi, candidates *c)
 {
+    const float tfar = q->ray[EP_RAY_TFAR * q->n + lane];
     ep_root r;
-    hi = fmin(hi, nextafterf(ray[EP_RAY_TFAR], INFINITY));
     while (ep_solve(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, lo, hi, &r)) {
         /* the next one is told apart from this by more than the rounding of both */
         lo = r.t + 0x1p-40 * fabs(r.t);
@@ -185,7 +190,7 @@ static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray
         put_root(q, lane, t, field, c);
         if (in_front(q, lane, c)) {
             if (is_inside(q, lane, c) && offer(q, 1u << lane, c)) return true;
-        } else if (t >= ray[EP_RAY_TFAR]) {
+        } else if (t >= tfar) {
             return false; /* and so are all others */
         }
     }
@@ -247,10 +252,11 @@ static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters 
 {
     float ray[EP_RAY_FIELDS];
     load_ray(q, lane, ray);
-    /* The cells do not depend on tnear and tfar, or the bits would on what else the ray has met before. */
-    double lo = -INFINITY, hi = INFINITY;
+    /* Neither the search nor what it finds depends on tnear and tfar, or the bits would on what the ray met before. */
+    const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
+    double lo = ray[EP_RAY_TNEAR] = -INFINITY, hi = ray[EP_RAY_TFAR] = INFINITY;
     if (!ep_clip(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, &lo, &hi)) return false;
-    if (!(lo <= ray[EP_RAY_TFAR] && hi >= ray[EP_RAY_TNEAR])) return false;
+    if (!(lo <= nextafterf(tfar, INFINITY) && hi >= tnear)) return false;
     /* where the parametrisation folds or collapses, cells cannot decide either */
     if (q->leaf->height < INFINITY && q->leaf->bend_st < 2) {
         last_root last = {0};
