@@ -42,15 +42,15 @@ typedef struct ep_cells {
     float s[EP_PACKET], r[EP_PACKET]; /* the root in leaf coordinates ...                        */
     float radius[EP_PACKET];          /* ... and how accurate it is                              */
     float fields[5 * EP_PACKET];      /* Ng, u, v as in a hit packet of 16                       */
-    uint32_t hit;                     /* has the first root near this cell, within (tnear, tfar) */
+    uint32_t hit;                     /* has a root near this cell, the first of it               */
     uint32_t vague;                   /* those that ep_polish has to find again                  */
     uint32_t more;                    /* those that may have another root, farther on            */
     uint32_t open;                    /* undecided                                               */
-    uint32_t hopeless;                /* those of them that smaller cells would not decide       */
+    uint32_t hopeless;                /* of a ray that no cells would decide                     */
 } ep_cells;
 
 /* Rays lanes[0] to lanes[count - 1] of a packet of n. The cells of the r-th divide the part from[r] to to[r] of its way
- * through the leaf's prism, all of which is -1 to 1. */
+ * through the leaf's prism, all of which is -1 to 1. Cells outside (tnear, tfar) are left out. */
 typedef void ep_cells_kernel(const ep_leaf *leaf, const float *net, const float *ray, unsigned n, const unsigned *lanes,
                              unsigned count, const float *from, const float *to, ep_cells *out);
 

@@ -6,14 +6,15 @@
  * its domain: the numerators f1, f2 of the distances to the planes, that of t, and the weight. All are polynomials, so
  * hulls of their coefficients bound them [Nishita, Sederberg, Kakimoto 1990]. A cell of the domain is
  *
- *   excluded    when f1 or f2 keeps its sign there, or t lies outside the interval asked for;
+ *   excluded    when f1, f2 or a combination of them keeps its sign there, or t lies outside the interval asked for;
  *   certified   when, multiplied by the inverse of the Jacobian J at its middle, the derivative of f is within e <= 1/8
  *               of the identity. Any mean A of Jacobians in the cell, and J(y) for any y in it, then differ from J by
  *               at most e relative to J; so k = |J(y)^-1 A - I| <= 2e/(1-e) <= 2/7, f is injective, and a root x* in
  *               the cell satisfies |x* - c| <= k |x* - y| <= k/(1-k) |c - y| <= 2/5 |c - y| for the Newton point c of
- * y. So Newton from the middle either leaves the cell by more than that, or its steps shrink: no root, or the root; a
- * root      when it holds the ray and is smaller than floats can tell: a tangency or a pole; split       otherwise,
- * along the side on which f changes more.
+ *               y. So Newton from the middle either leaves the cell by more than that, or its steps shrink: no root,
+ *               or the root;
+ *   a root      when it holds the ray and is smaller than floats can tell: a tangency or a pole;
+ *   split       otherwise, along the side on which f changes more.
  *
  * Cells are visited nearest first and those behind the nearest root are dropped, so that even a ray that runs within a
  * flat patch ends after one path down. */
@@ -41,6 +42,7 @@ typedef struct problem {
     ep_point net[MAX_POINTS]; /* f1, f2, numerator of t, w over the leaf's unit domain */
     double t0, speed;         /* t of the moved origin, |d| */
     double noise;             /* rounding error of f1, f2 */
+    double rounding;          /* ... divided by w */
     double small, small_t;    /* extent in f and in t of what floats cannot tell from a point */
 } problem;
 
@@ -121,21 +123,21 @@ static void planes(const ep_leaf *leaf, ep_vec3 d, ep_vec3 *n1, ep_vec3 *n2)
     *n2 = ep_cross(unit, *n1);
 }
 
-/* Derivatives of f1 (k = 0) and f2 over a cell's net, in the cell's coordinates. */
+/* Derivatives of f1 (k = 0), f2, t's numerator and w over a cell's net, in the cell's coordinates. */
 typedef struct slopes {
-    ep_range s[2], t[2];
+    ep_range s[4], t[4];
 } slopes;
 
 static slopes net_slopes(const problem *p, const ep_point *net)
 {
     const ep_range nothing = EP_NOTHING;
-    slopes r = {{nothing, nothing}, {nothing, nothing}};
+    slopes r = {{nothing, nothing, nothing, nothing}, {nothing, nothing, nothing, nothing}};
     for (unsigned j = 0; j <= p->n; ++j)
         for (unsigned i = 0; i <= p->m; ++i) {
             const size_t at = p->kind->index(p->m, p->n, i, j);
             if (at == SIZE_MAX) continue;
             const size_t is = p->kind->index(p->m, p->n, i + 1, j), it = p->kind->index(p->m, p->n, i, j + 1);
-            for (int k = 0; k < 2; ++k) {
+            for (int k = 0; k < 4; ++k) {
                 if (is != SIZE_MAX) ep_include(&r.s[k], p->m * (net[is][k] - net[at][k]));
                 if (it != SIZE_MAX) ep_include(&r.t[k], p->n * (net[it][k] - net[at][k]));
             }
@@ -155,6 +157,69 @@ static double deviation(const problem *p, const slopes *g)
     const double row0 = fabs(d) * (ra + rb) + fabs(b) * (rc + rd);
     const double row1 = fabs(c) * (ra + rb) + fabs(a) * (rc + rd);
     return fmax(row0, row1) / fabs(det);
+}
+
+/* A cell's two sides as f sees them, the longer one first: unit vectors e along it and across, and what f and t change
+ * by along both. w is one at roots. */
+typedef struct aspect {
+    double e[2][2];
+    double more[2], less[2]; /* along e */
+    double t_more, t_less;
+} aspect;
+
+/* False when f does not change by more than its rounding. */
+static bool look(const problem *p, const slopes *g, ep_range t, aspect *a)
+{
+    double side[2][2], by[2];
+    for (int k = 0; k < 2; ++k) side[0][k] = ep_mid(g->s[k]), side[1][k] = ep_mid(g->t[k]);
+    by[0] = ep_mid(g->s[2]) - ep_mid(t) * ep_mid(g->s[3]);
+    by[1] = ep_mid(g->t[2]) - ep_mid(t) * ep_mid(g->t[3]);
+    const int m = hypot(side[1][0], side[1][1]) > hypot(side[0][0], side[0][1]);
+    const double length = hypot(side[m][0], side[m][1]);
+    if (!(length > p->noise)) return false;
+    const double e[2] = {side[m][0] / length, side[m][1] / length}, *less = side[!m];
+    *a = (aspect){.e = {{e[0], e[1]}, {-e[1], e[0]}},
+                  .more = {length, 0},
+                  .less = {e[0] * less[0] + e[1] * less[1], e[0] * less[1] - e[1] * less[0]},
+                  .t_more = by[m],
+                  .t_less = by[!m]};
+    return true;
+}
+
+/* Hull of x f1 + y f2 + z t over a cell. */
+static ep_range hull_of(const ep_point *net, size_t count, double x, double y, double z)
+{
+    ep_range r = EP_NOTHING;
+    for (size_t i = 0; i < count; ++i) ep_include(&r, (x * net[i][0] + y * net[i][1] + z * net[i][2]) / net[i][3]);
+    return r;
+}
+
+/* Does a cell miss the ray, seen along its longer side and across? That knows a surface which degenerates to a curve
+ * from one that does not. */
+static bool misses(const problem *p, const ep_point *net, size_t count, const aspect *a)
+{
+    for (int k = 0; k < 2; ++k) {
+        const ep_range r = hull_of(net, count, a->e[k][0], a->e[k][1], 0);
+        if (r.lo > 2 * p->rounding || r.hi < -2 * p->rounding) return true;
+    }
+    return false;
+}
+
+/* Narrows the range of t to that over the roots in a cell. There t - x f1 - y f2 is t: with x, y such that it does not
+ * change along the longer side, and then along neither, its range is of the second order in the cell's size. The first
+ * of these is of use even where the surface is a curve, all of whose preimage is one root. */
+static void narrow(const problem *p, const ep_point *net, size_t count, const aspect *a, ep_range *t)
+{
+    double x = a->t_more / a->more[0], y = 0;
+    for (int k = 0; k < 2; ++k) {
+        const double f1 = x * a->e[0][0] + y * a->e[1][0], f2 = x * a->e[0][1] + y * a->e[1][1];
+        const ep_range r = hull_of(net, count, -f1, -f2, 1);
+        const double noise = (fabs(f1) + fabs(f2)) * p->rounding;
+        t->lo = fmax(t->lo, r.lo - noise);
+        t->hi = fmin(t->hi, r.hi + noise);
+        if (!(fabs(a->less[1]) > 0x1p-20 * a->more[0])) return;
+        y = (a->t_less - x * a->less[0]) / a->less[1];
+    }
 }
 
 /* Length of a side of a triangular cell in space: of its control polygon from (i, j) on, in steps (di, dj). */
@@ -287,6 +352,7 @@ static void set_up(const ep_patch *patch, const ep_leaf *leaf, const line *l, pr
     }
     p->kind->restrict_to(local, p->m, p->n, &domain, p->net);
     p->noise = (p->m + p->n + 4) * 16 * EP_EPS_D * largest;
+    p->rounding = p->noise / patch->weight_min;
     p->small = fmax(p->noise, 0x1p-30 * patch->weight_min * patch->radius);
     p->small_t = 0x1p-30 * (patch->radius / sqrt(dd) + fabs(p->t0));
 }
@@ -319,11 +385,18 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         if (f1.lo > p.noise || f1.hi < -p.noise || f2.lo > p.noise || f2.hi < -p.noise) continue;
         if (t0 + t.hi <= after || t0 + t.lo >= before - found * p.small_t) continue;
 
+        const slopes g = net_slopes(&p, net);
+        aspect a;
+        if (look(&p, &g, t, &a)) {
+            if (misses(&p, net, count, &a)) continue;
+            narrow(&p, net, count, &a, &t);
+        }
+        if (t0 + t.hi <= after || t0 + t.lo >= before - found * p.small_t) continue;
+
         double s = p.kind->middle, r = p.kind->middle;
         verdict v = UNDECIDED;
         const double largest = fmax(fmax(-f1.lo, f1.hi), fmax(-f2.lo, f2.hi));
         const double width = fmax(fabs(at.d.uu) + fabs(at.d.uv), fabs(at.d.vu) + fabs(at.d.vv));
-        const slopes g = net_slopes(&p, net);
         if (deviation(&p, &g) <= 0.125) v = newton(&p, net, &s, &r);
         const bool point = largest <= p.small && t.hi - t.lo <= p.small_t;
         if (v == UNDECIDED && (point || width <= 0x1p-50 || cells >= MAX_CELLS || depth + 4 > MAX_STACK)) v = ROOT;

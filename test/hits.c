@@ -1,102 +1,179 @@
 /* hits.c - see hits.h.
  *
  * SPDX-License-Identifier: Apache-2.0 */
-#include "test/hits.h"
+#include "test/capture.h"
 
-#include <stdio.h>
 #include <string.h>
 
-typedef struct tally {
-    unsigned long rays, hits, left_out, faults;
-} tally;
-
-static void explain(const hits_case *c, int index, const test_patch *p, const float org[3], const float dir[3],
-                    const char *what, const judge_answer *a, float t_in_packet, const oracle_root *roots, size_t count)
+static judge_answer answer_of(const test_packet *p, unsigned n, unsigned lane)
 {
-    print_error(
-        "seed %d, patch %d (%s of degree %u %u): %s: %s\n    answer  t %.9g u %.9g v %.9g, in a packet t %.9g\n",
-        (int)c->seed, index, p->shape.triangle ? "triangle" : "tensor", p->shape.m, p->shape.n, what,
-        ray_text(org, dir), a->t, a->u, a->v, t_in_packet);
-    for (size_t k = 0; k < count && k < 4; ++k)
-        print_error("    %s t %.12g u %.12g v %.12g cosine %.2g border %.2g\n",
-                    roots[k].doubtful ? "perhaps" : "root   ", roots[k].t_low, roots[k].u, roots[k].v, roots[k].cosine,
-                    roots[k].border);
+    if (get_id(p, n, HIT_GEOM, lane) == RTC_INVALID_GEOMETRY_ID) return (judge_answer){.t = INFINITY, .patch = ~0u};
+    return (judge_answer){.t = get_float(p, n, EP_RAY_TFAR, lane),
+                          .u = get_float(p, n, HIT_U, lane),
+                          .v = get_float(p, n, HIT_V, lane),
+                          .patch = get_id(p, n, HIT_PRIM, lane),
+                          .normal = {get_float(p, n, HIT_NG, lane), get_float(p, n, HIT_NG + 1, lane),
+                                     get_float(p, n, HIT_NG + 2, lane)}};
+}
+
+static bool same_answer(const judge_answer *a, const judge_answer *b)
+{
+    return a->patch == b->patch && a->t == b->t && a->u == b->u && a->v == b->v &&
+           !memcmp(a->normal, b->normal, sizeof a->normal);
+}
+
+/* A packet of n, of which the first `used` lanes are. */
+static void set_rays(test_packet *p, unsigned n, const test_ray *rays, unsigned used)
+{
+    for (unsigned i = 0; i < n; ++i) {
+        const test_ray *r = &rays[i < used ? i : 0];
+        set_ray(p, n, i, r->org, r->dir, 0, INFINITY);
+        if (i >= used) p->valid[i] = 0;
+    }
+}
+
+/* The rays in packets of n. */
+static void compare_packets(RTCScene scene, const test_ray *rays, unsigned count, unsigned n, hits_answer *answers)
+{
+    for (unsigned first = 0; first < count; first += n) {
+        const unsigned used = count - first < n ? count - first : n;
+        test_packet p;
+        set_rays(&p, n, rays + first, used);
+        ep_rtc_intersect(scene, n, p.valid, p.f, false);
+        for (unsigned i = 0; i < used; ++i) {
+            hits_answer *a = &answers[first + i];
+            const judge_answer many = answer_of(&p, n, i);
+            if (a->fault || same_answer(&many, &a->alone)) continue;
+            a->fault = "other bits in a packet";
+            a->width = n;
+            a->many = many;
+        }
+        set_rays(&p, n, rays + first, used);
+        ep_rtc_occluded(scene, n, p.valid, p.f, false);
+        for (unsigned i = 0; i < used; ++i) {
+            hits_answer *a = &answers[first + i];
+            const float t = get_float(&p, n, EP_RAY_TFAR, i);
+            if (a->fault || (t == -INFINITY) == (a->alone.t < INFINITY)) continue;
+            a->fault = "occlusion disagrees";
+            a->width = n;
+            a->many = (judge_answer){.t = t};
+        }
+    }
+}
+
+void judge_rays(const oracle *o, RTCScene scene, const test_ray *rays, unsigned count, hits_answer *answers)
+{
+    for (unsigned i = 0; i < count; ++i) {
+        const test_ray *r = &rays[i];
+        hits_answer *a = &answers[i];
+        const double org[3] = {r->org[0], r->org[1], r->org[2]}, dir[3] = {r->dir[0], r->dir[1], r->dir[2]};
+        a->width = 0;
+        a->alone = trace_one(scene, r->org, r->dir, 0, INFINITY);
+        a->count = oracle_intersect(o, org, dir, 0, INFINITY, a->roots);
+        a->verdict = judge(o, org, dir, a->roots, a->count, &a->alone, &judge_usual, NULL);
+        a->fault = a->verdict < JUDGE_MISSED ? NULL : judge_names[a->verdict];
+    }
+    static const unsigned widths[] = {1, 4, 8, 16};
+    for (size_t w = 0; w < EP_ARRAY_LEN(widths); ++w) compare_packets(scene, rays, count, widths[w], answers);
+}
+
+static void explain(const hits_case *c, int index, const char *isa, const test_patch *p, const test_ray *ray,
+                    const hits_answer *a)
+{
+    print_error("seed %d, patch %d (%s of degree %u %u), %s: %s: %s\n    answer  t %.9g u %.9g v %.9g", (int)c->seed,
+                index, p->shape.triangle ? "triangle" : "tensor", p->shape.m, p->shape.n, isa, a->fault,
+                ray_text(ray->org, ray->dir), a->alone.t, a->alone.u, a->alone.v);
+    print_error("\n");
+    if (a->width)
+        print_error("    in a packet of %u t %.9g u %.9g v %.9g\n", a->width, a->many.t, a->many.u, a->many.v);
+    for (size_t k = 0; k < a->count && k < 4; ++k) {
+        const oracle_root *r = &a->roots[k];
+        print_error("    %s t %.12g u %.12g v %.12g cosine %.2g border %.2g\n", r->doubtful ? "perhaps" : "root   ",
+                    r->t_low, r->u, r->v, r->cosine, r->border);
+    }
 }
 
 /* Moves the origin along the ray, as far as floats let it. */
-static void start_from(const double centre[3], double distance, float org[3], float dir[3])
+static void start_from(const double centre[3], double distance, test_ray *ray)
 {
     double away = 0, d = 0, dd = 0;
     for (int x = 0; x < 3; ++x) {
-        away += (centre[x] - org[x]) * dir[x];
-        dd += (double)dir[x] * dir[x];
+        away += (centre[x] - ray->org[x]) * ray->dir[x];
+        dd += (double)ray->dir[x] * ray->dir[x];
     }
     d = away / dd - distance / sqrt(dd);
     for (int x = 0; x < 3; ++x) {
-        const double target = org[x] + away / dd * dir[x];
-        org[x] = (float)(org[x] + d * dir[x]);
-        dir[x] = (float)(target - org[x]);
+        const double target = ray->org[x] + away / dd * ray->dir[x];
+        ray->org[x] = (float)(ray->org[x] + d * ray->dir[x]);
+        ray->dir[x] = (float)(target - ray->org[x]);
     }
 }
 
-static void judge_packet(const hits_case *c, int index, const test_patch *p, const oracle *o, RTCScene scene, rng *r,
-                         unsigned packet, tally *t)
+static void aim_packet(const hits_case *c, const oracle *o, rng *r, unsigned packet, test_ray rays[16])
 {
-    test_packet many;
-    float org[16][3], dir[16][3];
     double lower[3], upper[3], centre[3];
     oracle_bounds(o, lower, upper);
     for (int x = 0; x < 3; ++x) centre[x] = (lower[x] + upper[x]) / 2;
     for (unsigned i = 0; i < 16; ++i) {
-        aim(o, (aim_kind)((16 * packet + i) % AIM_KINDS), r, org[i], dir[i]);
-        if (c->distance > 0) start_from(centre, c->distance, org[i], dir[i]);
-        set_ray(&many, 16, i, org[i], dir[i], 0, INFINITY);
+        aim(o, (aim_kind)((16 * packet + i) % AIM_KINDS), r, rays[i].org, rays[i].dir);
+        if (c->distance > 0) start_from(centre, c->distance, &rays[i]);
     }
-    ep_rtc_intersect(scene, 16, many.valid, many.f, false);
-    for (unsigned i = 0; i < 16; ++i) {
-        const judge_answer a = trace_one(scene, org[i], dir[i], 0, INFINITY);
-        double od[3], dd[3];
-        oracle_root roots[ORACLE_ROOTS];
-        for (int x = 0; x < 3; ++x) od[x] = org[i][x], dd[x] = dir[i][x];
-        const size_t count = oracle_intersect(o, od, dd, 0, INFINITY, roots);
-        const judge_verdict v = judge(o, od, dd, roots, count, &a, &judge_usual, NULL);
-        const bool hit = get_id(&many, 16, HIT_GEOM, i) != RTC_INVALID_GEOMETRY_ID;
-        const bool same = hit == (a.t < INFINITY) &&
-                          (!hit || (many.f[EP_RAY_TFAR * 16 + i] == (float)a.t &&
-                                    many.f[HIT_U * 16 + i] == (float)a.u && many.f[HIT_V * 16 + i] == (float)a.v));
-        ++t->rays;
-        t->hits += hit;
-        t->left_out += v == JUDGE_LEFT_OUT;
-        if (v < JUDGE_MISSED && same) continue;
-        if (++t->faults <= 5)
-            explain(c, index, p, org[i], dir[i], same ? judge_names[v] : "other bits in a packet", &a,
-                    many.f[EP_RAY_TFAR * 16 + i], roots, count);
+}
+
+/* Patch k of the case. */
+static void judge_patch(const hits_case *c, int k, unsigned most, FILE *captures, hits_tally *t)
+{
+    static const double origin[3] = {0, 0, 0};
+    const char *const *isas = epGetInstructionSets();
+    unsigned isa_count = 0;
+    while (isas[isa_count]) ++isa_count;
+    const unsigned long before = t->faults;
+    rng r = rng_split(c->seed, 0, (uint64_t)k);
+    test_patch p;
+    const patch_style style = c->styles[k % c->style_count];
+    const bool triangle = c->triangles && (!c->tensors || k / c->style_count % 2);
+    /* subdivision takes long, the oracle's above all, where a curve in the domain is one point of space */
+    const bool slow = style == STYLE_DEGENERATE || (triangle && style == STYLE_COLLAPSED);
+    const int rays = slow ? c->rays / 8 : c->rays;
+    random_patch(&r, style, triangle, c->limits, &p);
+    move_patch(&p, c->scale, origin);
+    move_patch(&p, 1, c->offset);
+    oracle *o = new_oracle(&p, 1);
+    EPBuildSettings settings = epDefaultBuildSettings();
+    settings.rayDistance = (float)c->distance;
+    settings.isa = isas[(unsigned)k % isa_count];
+    test_scene s = new_scene(&p, 1, &settings);
+    for (unsigned packet = 0; packet < (unsigned)rays / 16; ++packet) {
+        test_ray ray[16];
+        hits_answer answer[16];
+        aim_packet(c, o, &r, packet, ray);
+        judge_rays(o, s.scene, ray, 16, answer);
+        for (unsigned i = 0; i < 16; ++i) {
+            ++t->rays;
+            t->hits += answer[i].alone.t < INFINITY;
+            t->left_out += answer[i].verdict == JUDGE_LEFT_OUT;
+            if (!answer[i].fault) continue;
+            if (t->faults++ < most) explain(c, k, settings.isa, &p, &ray[i], &answer[i]);
+            if (!captures) continue;
+            if (t->faults == before + 1) write_captured_patch(captures, &p, c->distance);
+            write_captured_ray(captures, &ray[i]);
+        }
     }
+    free_scene(&s);
+    oracle_free(o);
+}
+
+hits_tally judge_hits(const hits_case *c, unsigned most, FILE *captures)
+{
+    hits_tally t = {0};
+    for (int k = 0; k < c->patches; k += TEST_STEP) judge_patch(c, k, most, captures, &t);
+    print_message("%lu rays, %lu hits, %lu left out, %lu faults\n", t.rays, t.hits, t.left_out, t.faults);
+    return t;
 }
 
 void check_hits(const hits_case *c)
 {
-    tally t = {0};
-    for (int k = 0; k < c->patches; k += TEST_STEP) {
-        rng r = rng_split(c->seed, 0, (uint64_t)k);
-        test_patch p;
-        const patch_style style = c->styles[k % c->style_count];
-        const bool triangle = c->triangles && (!c->tensors || k / c->style_count % 2);
-        /* at a triangle's pole, subdivision takes a hundred times as long, and that of the oracle twice as long again
-         */
-        const int rays = triangle && style == STYLE_COLLAPSED ? c->rays / 8 : c->rays;
-        random_patch(&r, style, triangle, c->limits, &p);
-        move_patch(&p, c->scale, c->offset);
-        oracle *o = new_oracle(&p, 1);
-        EPBuildSettings settings = epDefaultBuildSettings();
-        settings.rayDistance = (float)c->distance;
-        test_scene s = new_scene(&p, 1, &settings);
-        for (unsigned packet = 0; packet < (unsigned)rays / 16; ++packet)
-            judge_packet(c, k, &p, o, s.scene, &r, packet, &t);
-        free_scene(&s);
-        oracle_free(o);
-    }
-    print_message("%lu rays, %lu hits, %lu left out, %lu faults\n", t.rays, t.hits, t.left_out, t.faults);
+    const hits_tally t = judge_hits(c, 5, NULL);
     assert_true(t.hits > t.rays / 10);
     assert_int_equal(t.faults, 0);
 }

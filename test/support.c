@@ -10,7 +10,7 @@
 
 const char *style_name(patch_style style)
 {
-    static const char *const names[STYLES] = {"gentle", "wild", "flat", "collapsed"};
+    static const char *const names[STYLES] = {"gentle", "wild", "flat", "collapsed", "degenerate"};
     return names[style];
 }
 
@@ -32,10 +32,46 @@ static void random_axes(rng *r, double x[3], double y[3], double z[3])
     for (int c = 0; c < 3; ++c) z[c] = x[(c + 1) % 3] * y[(c + 2) % 3] - x[(c + 2) % 3] * y[(c + 1) % 3];
 }
 
+static void copy_point(test_patch *p, unsigned i, unsigned j, const double from[3])
+{
+    memcpy(p->points[net_index(p->shape, i, j)], from, 3 * sizeof *from);
+}
+
+/* Takes away what makes a patch a surface, everywhere or at a border. */
+static void degenerate(rng *r, test_patch *p)
+{
+    const net_shape s = p->shape;
+    const unsigned how = rng_below(r, 6);
+    double a[3], b[3];
+    memcpy(a, p->points[0], sizeof a);
+    memcpy(b, p->points[net_index(s, s.m, 0)], sizeof b);
+    for (unsigned j = 0; j <= s.n; ++j)
+        for (unsigned i = 0; net_has(s, i, j); ++i) {
+            double *to = p->points[net_index(s, i, j)];
+            switch (how) {
+            case 0: /* a segment */
+                for (int c = 0; c < 3; ++c) to[c] = a[c] + (b[c] - a[c]) * i / s.m;
+                break;
+            case 1: /* a segment, there and back */
+                for (int c = 0; c < 3; ++c) to[c] = a[c] + (b[c] - a[c]) * (i + 2.0 * j) / s.m;
+                break;
+            case 2: copy_point(p, i, j, a); break; /* a point */
+            case 3:                                /* no derivative at a corner */
+                if (i + j <= 1) copy_point(p, i, j, a);
+                break;
+            case 4: /* two rows of points are one: no derivative across a side */
+                if (j == 1 && net_has(s, i, 1)) copy_point(p, i, 1, p->points[net_index(s, i, 0)]);
+                break;
+            default: /* three sides of a tensor patch, or two of a triangle, are points */
+                if (i == 0 || (j == 0 && i < s.m)) copy_point(p, i, j, a);
+                if (!s.triangle && i == s.m) copy_point(p, i, j, b);
+            }
+        }
+}
+
 void random_patch(rng *r, patch_style style, bool triangle, patch_limits limits, test_patch *p)
 {
-    unsigned m = 1 + rng_below(r, limits.most_degree);
-    if (m == 1 && triangle && style == STYLE_COLLAPSED) m = 2; /* else nothing but a segment is left */
+    const unsigned m = 1 + rng_below(r, limits.most_degree);
     const unsigned n = triangle ? m : 1 + rng_below(r, limits.most_degree);
     p->shape = (net_shape){triangle, m, n};
     const double noise = style == STYLE_WILD ? 0.7 : style == STYLE_FLAT ? 0 : rng_in(r, 0.02, 0.3);
@@ -52,6 +88,7 @@ void random_patch(rng *r, patch_style style, bool triangle, patch_limits limits,
                 to[c] = (style == STYLE_COLLAPSED && i == 0 ? 0 : a * x[c]) + b * y[c] + h * z[c];
             to[3] = limits.most_weight > 1 ? rng_scale(r, 1 / limits.most_weight, limits.most_weight) : 1;
         }
+    if (style == STYLE_DEGENERATE) degenerate(r, p);
     /* half of them with a corner at the origin, where rounding is large compared with the coordinate */
     if (rng_below(r, 2)) {
         const double first[3] = {-p->points[0][0], -p->points[0][1], -p->points[0][2]};

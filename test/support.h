@@ -33,10 +33,11 @@ typedef struct test_patch {
 
 /* What random patches look like. */
 typedef enum patch_style {
-    STYLE_GENTLE,    /* a grid, bent by a few tenths           */
-    STYLE_WILD,      /* points anywhere in a box; folds        */
-    STYLE_FLAT,      /* in a plane, or nearly                  */
-    STYLE_COLLAPSED, /* one side is a point                    */
+    STYLE_GENTLE,     /* a grid, bent by a few tenths           */
+    STYLE_WILD,       /* points anywhere in a box; folds        */
+    STYLE_FLAT,       /* in a plane, or nearly                  */
+    STYLE_COLLAPSED,  /* one side is a point                    */
+    STYLE_DEGENERATE, /* a segment, a point, a cusp, two poles  */
     STYLES
 } patch_style;
 

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test/hits.h"
 
-#define ALL_STYLES {STYLE_GENTLE, STYLE_WILD, STYLE_FLAT, STYLE_COLLAPSED}, STYLES
+#define ALL_STYLES {STYLE_GENTLE, STYLE_WILD, STYLE_FLAT, STYLE_COLLAPSED}, 4
 
 static void triangles(void **state)
 {
@@ -36,6 +36,12 @@ static void bilinear_and_flat(void **state)
     check_hits(&(hits_case){6, 60, 320, true, true, {3, 1}, {STYLE_FLAT}, 1, 1, {0, 0, 0}, 0});
 }
 
+static void degenerate(void **state)
+{
+    (void)state;
+    check_hits(&(hits_case){8, 24, 320, true, true, {4, 2}, {STYLE_DEGENERATE}, 1, 1, {0, 0, 0}, 0});
+}
+
 static void folds_of_high_degree(void **state)
 {
     (void)state;
@@ -45,9 +51,13 @@ static void folds_of_high_degree(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(triangles),         cmocka_unit_test(tensors),
-        cmocka_unit_test(mild_weights),      cmocka_unit_test(weights_of_a_fiftieth_to_fifty),
-        cmocka_unit_test(bilinear_and_flat), cmocka_unit_test(folds_of_high_degree),
+        cmocka_unit_test(triangles),
+        cmocka_unit_test(tensors),
+        cmocka_unit_test(mild_weights),
+        cmocka_unit_test(weights_of_a_fiftieth_to_fifty),
+        cmocka_unit_test(bilinear_and_flat),
+        cmocka_unit_test(degenerate),
+        cmocka_unit_test(folds_of_high_degree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

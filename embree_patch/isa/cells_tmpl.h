@@ -88,13 +88,14 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         v.way = d_sum * way;
         v.noise_st = w_fma(w_set(leaf->reach_st), v.way, w_set(leaf->noise_st));
         v.noise_h = w_fma(w_set(leaf->reach_h), v.way, w_set(leaf->noise_h));
-        const w_m out_of_range = w_or(w_or(w_lt(end, begin), w_lt(tfar, ((middle + cell) - reach) - reach)),
-                                      w_lt(((middle + cell) + reach) + reach, tnear));
-        const w_m in = w_andnot(w_mask(all), out_of_range);
-        v.live = w_and(in, w_lt(w_max(w_abs(v.p_s), w_abs(v.p_t)), w_set(EP_STEEP)));
-        if (!(stretch < 1)) v.live = w_mask(0);
-        v.slow = w_andnot(in, v.live);
-        out->hopeless |= w_bits(v.slow) << base;
+        const w_m missed = w_lt(end, begin);
+        const w_m beside = w_or(w_or(missed, w_lt(tfar, ((middle + cell) - reach) - reach)),
+                                w_lt(((middle + cell) + reach) + reach, tnear));
+        const w_m steep =
+            w_andnot(w_mask(all), w_lt(w_max(w_abs(v.p_s), w_abs(v.p_t)), w_set(stretch < 1 ? EP_STEEP : 0.0f)));
+        out->hopeless |= w_bits(w_andnot(steep, missed)) << base;
+        v.live = w_andnot(w_andnot(w_mask(all), steep), beside);
+        v.slow = w_mask(0);
         v.more = w_mask(0);
         v.other_s = v.other_t = v.other_radius = zero;
 
@@ -123,12 +124,10 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
             const w_step step = w_advance(leaf, &v, triangle, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, triangle, &jet, height, step.stuck);
             const w_f t = middle + (cell + step.distance);
-            const w_m within = w_and(w_lt(tnear, t), w_le(t, tfar));
-            const w_m found = w_and(step.hit, w_or(within, step.vague));
-            const uint32_t bits = w_bits(found);
+            const uint32_t bits = w_bits(step.hit);
             if (bits) {
                 hit |= bits;
-                out->vague |= w_bits(w_and(found, step.vague)) << base;
+                out->vague |= w_bits(w_and(step.hit, step.vague)) << base;
                 w_store(out->t + base, bits, t);
                 w_store(out->s + base, bits, step.s);
                 w_store(out->r + base, bits, step.t);

@@ -97,7 +97,7 @@ static uint32_t offer(const query *q, uint32_t mask, candidates *c)
 }
 
 /* Is a candidate in front of what the ray has? Neighbouring leaves both find a root on their common border; where
- * their t is the same float, the smaller primID, then u, then v decides, not which leaf came first. */
+ * their t is the same float, the smaller primID, then u, v and Ng decide, not which leaf came first. */
 static bool in_front(const query *q, unsigned lane, const candidates *c)
 {
     const unsigned n = q->n;
@@ -111,9 +111,12 @@ static bool in_front(const query *q, unsigned lane, const candidates *c)
     memcpy(&prim, &hit[HIT_PRIM * n + lane], sizeof prim);
     if (geom != q->geom_id || prim < q->leaf->patch) return false;
     if (prim > q->leaf->patch) return true;
-    const float u = c->hit[EP_HIT_U * n + lane], v = c->hit[EP_HIT_V * n + lane];
-    const float hit_u = hit[EP_HIT_U * n + lane], hit_v = hit[EP_HIT_V * n + lane];
-    return u < hit_u || (u == hit_u && v < hit_v);
+    static const unsigned fields[] = {EP_HIT_U, EP_HIT_V, EP_HIT_NG, EP_HIT_NG + 1, EP_HIT_NG + 2};
+    for (unsigned f = 0; f < EP_ARRAY_LEN(fields); ++f) {
+        const unsigned at = fields[f] * n + lane;
+        if (c->hit[at] != hit[at]) return c->hit[at] < hit[at];
+    }
+    return false;
 }
 
 static const ep_patch *patch_of(const query *q)
@@ -173,10 +176,12 @@ static void put_root(const query *q, unsigned lane, float t, const float field[5
     for (unsigned f = 0; f < 5; ++f) c->hit[f * q->n + lane] = field[f];
 }
 
+/* Which of several roots that floats cannot tell apart is found depends on where the search goes, so it must not go by
+ * what the ray has met before. */
 static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray, double lo, double hi, candidates *c)
 {
+    const float tfar = q->ray[EP_RAY_TFAR * q->n + lane];
     ep_root r;
-    hi = fmin(hi, nextafterf(ray[EP_RAY_TFAR], INFINITY));
     while (ep_solve(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, lo, hi, &r)) {
         /* the next one is told apart from this by more than the rounding of both */
         lo = r.t + 0x1p-40 * fabs(r.t);
@@ -185,7 +190,7 @@ static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray
         put_root(q, lane, t, field, c);
         if (in_front(q, lane, c)) {
             if (is_inside(q, lane, c) && offer(q, 1u << lane, c)) return true;
-        } else if (t >= ray[EP_RAY_TFAR]) {
+        } else if (t >= tfar) {
             return false; /* and so are all others */
         }
     }
@@ -213,15 +218,12 @@ typedef struct cell_walk {
 
 static bool look_closer(cell_walk *w, float from, float to, unsigned round);
 
-/* The double-precision solver, from one cell's beginning to another's end. */
-static bool subdivide_cells(cell_walk *w, const ep_cells *cells, unsigned first, unsigned last)
+static bool subdivide_cell(cell_walk *w, const ep_cells *cells, unsigned k)
 {
-    /* cells are given in float */
-    const double t0 = (double)cells->middle[first], t1 = (double)cells->middle[last];
-    const double rounding = 0x1p-22 * fmax(fabs(t0), fabs(t1));
+    const double t = (double)cells->middle[k], rounding = 0x1p-22 * fabs(t); /* cells are given in float */
+    const double reach = (double)cells->reach[k] + rounding;
     ++w->counters->slow;
-    return solve_by_subdivision(w->q, w->lane, w->ray, t0 - (double)cells->reach[first] - rounding,
-                                t1 + (double)cells->reach[last] + rounding, w->c);
+    return solve_by_subdivision(w->q, w->lane, w->ray, t - reach, t + reach, w->c);
 }
 
 /* Offers the root of a cell; true if it is accepted. */
@@ -245,22 +247,17 @@ static bool take_root(cell_walk *w, const ep_cells *cells, unsigned k)
 }
 
 /* Takes what was found in cells[first] to cells[first + EP_CELLS - 1] in order. Undecided ones are cut into cells
- * again: at most half of them at a time, so that these get smaller. */
+ * again, each by itself: where it is cut must not depend on what the ray has met before. */
 static bool walk_cells(cell_walk *w, const ep_cells *cells, unsigned first, float from, float to, unsigned round)
 {
     const float length = (to - from) / EP_CELLS;
-    for (unsigned k = 0, end; k < EP_CELLS; k = end) {
-        const uint32_t hit = cells->hit >> (first + k),
-                       open = (cells->open | (cells->more & cells->hit)) >> (first + k);
-        end = k + 1;
-        if (hit & 1 && take_root(w, cells, first + k)) return true;
-        if (!(open & 1)) continue;
-        const bool finer = round + 1 < CELL_ROUNDS && !(cells->hopeless >> (first + k) & 1);
-        while (end < EP_CELLS && end - k < (finer ? EP_CELLS / 2 : EP_CELLS) &&
-               open >> (end - k) & ~hit >> (end - k) & 1)
-            ++end;
-        if (finer ? look_closer(w, from + length * (float)k, from + length * (float)end, round + 1)
-                  : subdivide_cells(w, cells, first + k, first + end - 1))
+    for (unsigned k = 0; k < EP_CELLS; ++k) {
+        const unsigned at = first + k;
+        if (cells->hit >> at & 1 && take_root(w, cells, at)) return true;
+        if (!((cells->open | cells->more) >> at & 1)) continue;
+        if (round + 1 < CELL_ROUNDS
+                ? look_closer(w, from + length * (float)k, from + length * (float)(k + 1), round + 1)
+                : subdivide_cell(w, cells, at))
             return true;
     }
     return false;
@@ -273,6 +270,14 @@ static bool look_closer(cell_walk *w, float from, float to, unsigned round)
     ep_cells cells;
     q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, w->ray, 1, &only, 1, &from, &to, &cells);
     return walk_cells(w, &cells, 0, from, to, round);
+}
+
+static bool subdivide_leaf(cell_walk *w)
+{
+    double lo = -INFINITY, hi = INFINITY;
+    ++w->counters->slow;
+    return ep_clip(patch_of(w->q), w->q->leaf, w->ray + EP_RAY_ORG, w->ray + EP_RAY_DIR, &lo, &hi) &&
+           solve_by_subdivision(w->q, w->lane, w->ray, lo, hi, w->c);
 }
 
 /* Rays that the certificate of the whole leaf did not decide: cell by cell along their way through the prism, and by
@@ -294,15 +299,15 @@ static uint32_t solve_lanes(const query *q, uint32_t slow, candidates *c, EPCoun
         for (unsigned r = 0; r < count; ++r) {
             cell_walk w = {.q = q, .lane = lanes[r], .c = c, .counters = counters};
             load_ray(q, lanes[r], w.ray);
-            bool done = false;
-            if (cut) {
+            /* what is found does not depend on tnear and tfar, or the bits would on what the ray met before */
+            w.ray[EP_RAY_TNEAR] = -INFINITY;
+            w.ray[EP_RAY_TFAR] = INFINITY;
+            bool done;
+            if (cut && !(cells.hopeless >> r * EP_CELLS & 1)) {
                 ++counters->cells;
                 done = walk_cells(&w, &cells, r * EP_CELLS, -1, 1, 0);
             } else {
-                double lo = -INFINITY, hi = INFINITY;
-                ++counters->slow;
-                if (ep_clip(patch_of(q), q->leaf, w.ray + EP_RAY_ORG, w.ray + EP_RAY_DIR, &lo, &hi))
-                    done = solve_by_subdivision(q, lanes[r], w.ray, lo, hi, c);
+                done = subdivide_leaf(&w);
             }
             accepted |= (uint32_t)done << lanes[r];
         }

@@ -8,7 +8,7 @@
 const char *const judge_names[JUDGE_VERDICTS] = {"right",   "left out",    "missed",      "extra",
                                                  "wrong t", "wrong place", "wrong normal"};
 
-const judge_limits judge_usual = {.t = 2e-5, .distance = 2e-6, .place = 2e-5, .degrees = 0.25};
+const judge_limits judge_usual = {.t = 2e-5, .distance = 1e-5, .place = 2e-5, .degrees = 0.25};
 
 static double length(const double a[3])
 {
@@ -23,13 +23,16 @@ static double degrees_between(const double a[3], const double b[3])
     return atan2(length(c), d) * 57.29577951308232;
 }
 
-/* Distance of the point that u, v say from the one that t says, relative to the patch and the way there. */
+/* Distance of the point that u, v say from the one that t says, relative to the patch and the way there. Two units in
+ * the last place of u and v are forgiven: where weights squeeze a tenth of the patch into a thousandth of its domain,
+ * these are seen. */
 static double place_error(const oracle *o, const double org[3], const double dir[3], const judge_answer *a)
 {
-    double p[3], apart[3];
-    oracle_evaluate(o, a->patch, a->u, a->v, p, NULL, NULL);
+    double p[3], pu[3], pv[3], apart[3];
+    oracle_evaluate(o, a->patch, a->u, a->v, p, pu, pv);
     for (int c = 0; c < 3; ++c) apart[c] = p[c] - (org[c] + a->t * dir[c]);
-    return length(apart) / (oracle_radius(o, a->patch) + fabs(a->t) * length(dir));
+    const double excess = length(apart) - 0x1p-23 * (length(pu) + length(pv));
+    return fmax(excess, 0) / (oracle_radius(o, a->patch) + fabs(a->t) * length(dir));
 }
 
 /* Whether the answer is a point of the surface next to a doubtful root: an error of `distance` off a surface that the

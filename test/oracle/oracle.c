@@ -485,7 +485,7 @@ static void search(query *q, const net_point *net, const net_part *part)
     legs_of(q, net, legs);
     const unsigned edge = legs[2] > fmax(legs[0], legs[1]) ? 2 : legs[1] > legs[0];
     const double size = fabs(part->a[0]) + fabs(part->a[1]) + fabs(part->b[0]) + fabs(part->b[1]);
-    if (size < smallest || legs[edge] < ORACLE_NEAR * q->patch->radius || ++q->parts > SEARCH_PARTS) {
+    if (size < smallest || legs[edge] <= ORACLE_NEAR * q->patch->radius || ++q->parts > SEARCH_PARTS) {
         add_undecided(q, part, t_range(q, net, count));
         return;
     }
