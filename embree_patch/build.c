@@ -144,8 +144,8 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
             build_parts(a, parts, n, part, stage, depth + 1, l);
             return;
         }
-        if (part && ep_trimmed_wants_split(kind, d)) {
-            const unsigned n = ep_trimmed_split(a->trim, part, kind, d, parts);
+        if (part && ep_trimmed_wants_split(a->trim, part, kind, d, a->settings->trimSplit)) {
+            const unsigned n = ep_trimmed_split(a->trim, part, kind, d, a->settings->trimSplit, parts);
             build_parts(a, parts, n, part, TRIM, depth + 1, l);
             return;
         }

@@ -6,6 +6,7 @@
  * strip meets their sides, in double: moved to a grid of floats a cut would leave its side, and a gap beside the
  * neighbour that is not cut there. */
 #include "embree_patch/trimmed.h"
+#include "trim/costs.h"
 #include "trim/split.h"
 
 #include <string.h>
@@ -19,6 +20,10 @@ static const double seam = 0x1p-22;
  * of the point test plays no part: a ray that passes through what was cut away pays for finding the root, which takes
  * many times as long, in every crossed leaf on its way. */
 static const double smallest_triangle = 0x1p-13, smallest_rectangle = 0x1p-14;
+
+/* For EP_TRIM_SPLIT_COST [section 3.2]: what a halving of a leaf adds to a ray, in the nanoseconds of
+ * ep_trim_usual_costs. */
+static const double level_cost = 8;
 
 /* The least height of a triangle over its longest side. */
 static const double thinnest = 0.04;
@@ -42,19 +47,26 @@ ep_trim_domain ep_trimmed_domain(ep_kind_id kind, const ep_domain *d)
     return ep_domain_polygon(3, corner, -seam * far);
 }
 
-bool ep_trimmed_wants_split(ep_kind_id kind, const ep_domain *d)
+bool ep_trimmed_wants_split(const ep_trim *trim, const ep_trim_part *part, ep_kind_id kind, const ep_domain *d,
+                            EPTrimSplit way)
 {
+    if (way == EP_TRIM_SPLIT_NONE) return false;
     /* of the unit square or the unit triangle */
     const double share = fabs(d->uu * d->vv - d->uv * d->vu);
-    return share >= (kind == EP_KIND_TRIANGLE ? smallest_triangle : smallest_rectangle);
+    if (share < (kind == EP_KIND_TRIANGLE ? smallest_triangle : smallest_rectangle)) return false;
+    if (way != EP_TRIM_SPLIT_COST) return true;
+    const ep_trim_domain domain = ep_trimmed_domain(kind, d);
+    return ep_trim_expect(trim, part, &domain, &ep_trim_usual_costs) > level_cost;
 }
 
-static unsigned split_triangle(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, ep_domain *parts)
+static unsigned split_triangle(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, EPTrimSplit way,
+                               ep_domain *parts)
 {
     ep_point2 corner[3];
     ep_trim_triangles t;
     corners_of(d, corner);
-    ep_trim_split_triangle(trim, part, corner, thinnest, &t);
+    if (way == EP_TRIM_SPLIT_REGULAR) ep_trim_split_regular(corner, &t);
+    else ep_trim_split_triangle(trim, part, corner, thinnest, &t);
     for (unsigned k = 0; k < t.count; ++k) {
         const ep_point2 *c = t.corner[k];
         parts[k] =
@@ -63,12 +75,13 @@ static unsigned split_triangle(const ep_trim *trim, const ep_trim_part *part, co
     return t.count;
 }
 
-static unsigned split_rectangle(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, ep_domain *parts)
+static unsigned split_rectangle(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, EPTrimSplit way,
+                                ep_domain *parts)
 {
     const ep_point2 lo = {d->u0, d->v0}, hi = {d->u0 + d->uu, d->v0 + d->vv};
-    int axis;
-    double at;
-    ep_trim_split_rectangle(trim, part, lo, hi, &axis, &at);
+    int axis = d->vv > d->uu;
+    double at = 0.5 * (lo[axis] + hi[axis]);
+    if (way != EP_TRIM_SPLIT_REGULAR) ep_trim_split_rectangle(trim, part, lo, hi, &axis, &at);
     at = grid * rint(at / grid);
     if (!(lo[axis] < at && at < hi[axis])) at = lo[axis] + 0.5 * (hi[axis] - lo[axis]);
     parts[0] = parts[1] = *d;
@@ -85,7 +98,8 @@ static unsigned split_rectangle(const ep_trim *trim, const ep_trim_part *part, c
 }
 
 unsigned ep_trimmed_split(const ep_trim *trim, const ep_trim_part *part, ep_kind_id kind, const ep_domain *d,
-                          ep_domain parts[EP_TRIMMED_PARTS])
+                          EPTrimSplit way, ep_domain parts[EP_TRIMMED_PARTS])
 {
-    return kind == EP_KIND_TRIANGLE ? split_triangle(trim, part, d, parts) : split_rectangle(trim, part, d, parts);
+    return kind == EP_KIND_TRIANGLE ? split_triangle(trim, part, d, way, parts)
+                                    : split_rectangle(trim, part, d, way, parts);
 }
