@@ -23,6 +23,7 @@ import sys
 import tempfile
 import time
 import traceback
+import xml.etree.ElementTree
 
 EPATCH = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else sys.exit(__doc__)
 MISS = 0xFFFFFFFF
@@ -593,6 +594,74 @@ def test_bench():
     os.environ["PATH"] = "."
     refuses(Run("bench", name, "--plot", "q.svg", *BENCH), 1, r"q\.svg: .*gnuplot, which is not installed")
     os.environ["PATH"] = path
+
+
+HOLE = {"difference": [{"square": {}}, {"circle": {}, "transform": [.3, 0, 0, .3, .5, .5]}]}
+
+
+def area(points):
+    """Of a polygon, "x,y x,y ..."; positive."""
+    p = [tuple(map(float, xy.split(","))) for xy in points.split()]
+    return abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(p, p[1:] + p[:1]))) / 2
+
+
+def test_svg():
+    """The leaves in the picture: what is kept, and how little of it is crossed."""
+    bent = dict(SADDLE, trim=HOLE)
+    name = write("hole.json", scene(SADDLE, bent, dict(TRIANGLE, trim={"circle": {}, "transform": [.2, 0, 0, .2, .3, .3]})))
+    kept = {0: 1, 1: 1 - math.pi * .09, 2: math.pi * .04}
+    for patch, want in kept.items():
+        if not works(Run("info", name, "--svg", "domain.svg", "--patch", patch)):
+            continue
+        nodes = list(xml.etree.ElementTree.parse("domain.svg").iter())
+        by_class = {c: [n for n in nodes if n.get("class") == c] for c in "oixc"}
+        areas = {c: sum(area(n.get("points")) for n in by_class[c]) for c in "oix"}
+        check(close([areas["o"]], [.5 if patch == 2 else 1]), f"svg of patch {patch}: domain {areas}")
+        check(areas["i"] <= want + 1e-6 and areas["i"] + areas["x"] >= want - 1e-6, f"svg of patch {patch}: {areas}")
+        check(areas["x"] < .02 * areas["o"], f"svg of patch {patch}: crossed {areas}")
+        check(bool(by_class["c"]) == (patch > 0), f"svg of patch {patch}: {len(by_class['c'])} curves")
+    refuses(Run("info", name, "--svg", "domain2.svg", "--patch", 3), 1, "there is no patch 3; the scene has 3")
+    refuses(Run("info", name, "--svg", "missing/d.svg"), 1, "missing/d.svg: cannot write")
+    refuses(Run("info", name, "--svg", "/dev/full"), 1, "/dev/full: cannot write")
+    refuses(Run("info", name, "--svg", "-"), 2, "--svg needs the name of a file")
+
+
+def test_bench_trims():
+    """Every way to trim is measured, and they agree about what is hit."""
+    name = write("hole.json", scene(SADDLE, dict(SADDLE, name="hole", trim=HOLE)))
+    ways = ["untrimmed", "filter_cells", "filter_strip_trees", "filter_clipping", "filter_clipping_left", "split_none",
+            "split_cost", "split_regular", "split_curves"]
+    r = Run("bench", name, "--trims", "--json", "--runs", "1", "--rays", "4096", "--workloads", "primary1,random16")
+    if works(r):
+        rows = json.loads(r.out)["geometries"]
+        check([g["name"] for g in rows] == ["hole"], f"bench --trims: {rows}")
+        got = {w["trimming"]: w for w in rows[0]["ways"]}
+        check(list(got) == ways and all(x > 0 for w in got.values() for x in w["mrays"].values()), f"bench --trims: {got}")
+        hits = {k: w["hits"]["primary1"] for k, w in got.items()}
+        check(all(close([hits[k] / hits["untrimmed"]], [1 - math.pi * .09], .03) for k in ways[1:]),
+              f"bench --trims: hits {hits}")
+        check(max(hits[k] for k in ways[1:]) - min(hits[k] for k in ways[1:]) < .001, f"bench --trims: hits {hits}")
+        crossed = {k: w["crossed"] for k, w in got.items()}
+        check(crossed["split_curves"] < .02 < crossed["split_none"] < crossed["filter_cells"] == 1, f"crossed {crossed}")
+    r = Run("bench", name, "--trims", "--table", "--trim-tests", "strips", *BENCH)
+    check(works(r) and "| test all, strip trees |" in re.sub(" +", " ", r.out.decode()) and b"clipping" not in r.out,
+          f"bench --trims --table: {r.out.decode()}")
+    r = Run("bench", "--trim-costs", "--json", *BENCH)
+    if works(r):
+        b = json.loads(r.out)
+        check(all(b["ns"][k] > 0 for k in ("strip", "straight", "curved")) and len(b["objects"]) == 12 and
+              all(x > 0 for o in b["objects"] for x in o["ns"].values()), f"bench --trim-costs: {b}")
+    r = Run("bench", "--trim-curves", "--json", "--trim-tests", "cells", *BENCH)
+    if works(r):
+        b = json.loads(r.out)["trim_curves"]
+        check([row["curves"] for row in b["contour"]] == [10, 100, 1000, 10000], f"bench --trim-curves: {b}")
+        check(all([w["trimming"] for w in row["ways"]] == ["untrimmed", "filter_cells", "split_curves"]
+                  for rows in b.values() for row in rows), f"bench --trim-curves: {b}")
+    refuses(Run("bench", write("plain.json", scene(SADDLE)), "--trims", "--json", *BENCH), 1, "nothing in it is trimmed")
+    refuses(Run("bench", name, "--trims", "--trim-costs", *BENCH), 2, "hole.json' is too much")
+    refuses(Run("bench", "--trim-curves", "--trim-costs", *BENCH), 2, "exclude each other")
+    refuses(Run("bench", name, "--trims", "--stats", "s", *BENCH), 2, "go with none of")
+    refuses(Run("bench", name, "--trims", "--trim-tests", "guess", *BENCH), 2, "--trim-tests has 'guess'")
 
 
 def run_test(name):
