@@ -626,6 +626,20 @@ def test_svg():
     refuses(Run("info", name, "--svg", "-"), 2, "--svg needs the name of a file")
 
 
+def test_verify_trims():
+    """The kernels against the reference, where trims decide."""
+    spline = {"nurbs": {"degree": 2, "knots": [0, 0, 0, 1, 2, 3, 3, 3],
+                        "points": [[.7, .5], [.7, .8, 2], [.3, .8], [.3, .2, .5], [.7, .5]]}}
+    trims = [HOLE, {"loops": [{"polygon": {"segments": [{"line": [[.1, .1], [.9, .1], [.5, .9]]}]}},
+                              {"polygon": {"segments": [spline]}}]},
+             {"intersection": [{"polygon": {"segments": [spline], }}, {"square": {}, "transform": [.4, .1, -.1, .4, .3, .3]}]}]
+    geometry = [dict(g, name=f"{g['name']}{i}", trim=t) for g in (SADDLE, TRIANGLE) for i, t in enumerate(trims)]
+    r = Run("verify", write("trims.json", scene(*geometry)), "--rays", "1200", "--isa", "plain")
+    rows = [line.split() for line in r.out.decode().splitlines()[1:]]
+    check(works(r) and len(rows) == 20, f"{r}: {r.out.decode()}")
+    check(all(int(row[4]) > 100 for row in rows), f"verify: too few hits in {rows}")
+
+
 def test_bench_trims():
     """Every way to trim is measured, and they agree about what is hit."""
     name = write("hole.json", scene(SADDLE, dict(SADDLE, name="hole", trim=HOLE)))

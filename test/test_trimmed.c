@@ -9,8 +9,8 @@
 static void add_segment(EPRegion region, const trim_segment *g)
 {
     EPStatus status;
-    double line[SHAPE_POINTS][2];
-    for (unsigned i = 0; i < g->count; ++i) memcpy(line[i], g->points[i], sizeof line[i]);
+    double line[RANDOM_POINTS][2];
+    for (size_t i = 0; i < g->count; ++i) memcpy(line[i], g->points[i], sizeof line[i]);
     if (g->kind == SEGMENT_LINE) status = epAddRegionLine(region, g->count, line[0]);
     else if (g->kind == SEGMENT_BEZIER) status = epAddRegionBezier(region, g->count, g->points[0]);
     else status = epAddRegionNURBS(region, g->degree, g->count + g->degree + 1, g->knots, g->count, g->points[0]);
@@ -28,7 +28,7 @@ static void add_shape(EPRegion region, const trim_shape *s)
         status = epAddRegionCircle(region, t);
     } else {
         status = epBeginRegion(region, kinds[s->kind], t);
-        for (unsigned i = 0; i < s->count && !status; ++i)
+        for (size_t i = 0; i < s->count && !status; ++i)
             if (s->kind == SHAPE_POLYGON) add_segment(region, s->segment[i]);
             else add_shape(region, s->child[i]);
         if (!status) status = epEndRegion(region);
@@ -64,9 +64,9 @@ static size_t trim_roots(const trim_shape *shape, oracle_root *roots, size_t cou
     size_t kept = 0;
     for (size_t i = 0; i < count; ++i) {
         oracle_root r = roots[i];
-        const bool near = shape_distance(shape, r.u, r.v) <= border;
-        if (!near && !r.doubtful && !shape_has(shape, r.u, r.v)) continue;
-        r.doubtful = r.doubtful || near;
+        const shape_side side = shape_at(shape, r.u, r.v, border);
+        if (side == SHAPE_OUT && !r.doubtful) continue;
+        r.doubtful = r.doubtful || side == SHAPE_NEAR;
         roots[kept++] = r;
     }
     return kept;
@@ -126,10 +126,8 @@ static void judge_rays(const oracle *o, const trim_shape *shape, RTCScene scene,
 /* The rest of the domain: random regions are small. */
 static trim_shape *without(trim_shape *shape)
 {
-    trim_shape *all = shape_new(SHAPE_SQUARE), *rest = shape_new(SHAPE_DIFFERENCE);
-    rest->count = 2;
-    rest->child[0] = all;
-    rest->child[1] = shape;
+    trim_shape *rest = shape_new(SHAPE_DIFFERENCE);
+    assert_true(shape_add(rest, shape_new(SHAPE_SQUARE)) && shape_add(rest, shape));
     return rest;
 }
 
@@ -143,7 +141,7 @@ static void try_regions(uint64_t seed, int count, EPTrimSplit split)
         test_patch p;
         trim_shape *shape = random_shape(&r, 1 + (unsigned)k % 4, (trim_style){0, 5, 4});
         if (k % 2) shape = without(shape);
-        shape_prepare(shape);
+        assert_true(shape_prepare(shape));
         random_patch(&r, styles[k / 8 % 3], k / 2 % 2, (patch_limits){5, k % 3 ? 1 : 3}, &p);
         EPRegion region = new_region(shape);
         oracle *o = new_oracle(&p, 1);
