@@ -220,6 +220,15 @@ def bad_scenes():
                           ('{"difference": [{"circle": {}}]}', "a difference"),
                           ('{"polygon": {"segments": [{"line": [[0, 0]]}]}}', "a line needs at least two points"),
                           ('{"polygon": {"segments": [{"bezier": {"points": [[0, 0], [1, 1, 0]]}}]}}', "weight of point 2"),
+                          ('{"polygon": {"segments": [{"bezier": {"points": [[0, 0], [1]]}}]}}', "a point has 2 or 3 numbers, not 1"),
+                          ('{"polygon": {"segments": []}}', "a polygon needs at least one segment"),
+                          ('{"loops": []}', "loops of nothing"), ('{"union": []}', "a union of nothing"),
+                          ('{"loops": [{"circle": {}}]}', "a circle cannot be a part of loops"),
+                          ('{"polygon": {"segments": [{"nurbs": {"degree": 1, "knots": [0, 2, 1, 3], "points": [[0, 0], [1, 1]]}}]}}',
+                           "knot 3 is 1, below the one before it, 2"),
+                          ('{"polygon": {"segments": [{"bspline": {"degree": 2, "knots": [0, 1], "points": [[0, 0], [1, 1]]}}]}}',
+                           "a curve of degree 2 needs 3 points, not 2"),
+                          ('{"union": [' * 300 + '{"circle": {}}' + "]}" * 300, "regions are nested more than 256 deep"),
                           ('{"circle": {}, "transform": [1, 0, 0]}', "a transform has 3 numbers, not 6")):
         yield patched('"name"', '"trim": %s, "name"' % trim), r":1:\d+: " + message
     for kind in ("nurbs", "quadratic_triangles", "phong_triangles", "pn_triangles", "subdivision"):
@@ -638,6 +647,48 @@ def test_verify_trims():
     rows = [line.split() for line in r.out.decode().splitlines()[1:]]
     check(works(r) and len(rows) == 20, f"{r}: {r.out.decode()}")
     check(all(int(row[4]) > 100 for row in rows), f"verify: too few hits in {rows}")
+
+
+def odd_trims():
+    """Regions that have a meaning, however odd."""
+    def polygon(*segments):
+        return {"polygon": {"segments": list(segments)}}
+
+    def bezier(*points):
+        return {"bezier": {"points": list(points)}}
+
+    square = {"line": [[.2, .2], [.8, .2], [.8, .8], [.2, .8]]}
+    yield polygon({"line": [[.2, .2], [.8, .2]]}, bezier([.8, .5], [.9, .9], [.5, .8]))
+    yield polygon({"line": [[.2, .2], [.2, .2], [.8, .2]]}, bezier([.8, .2], [.8, .2], [.8, .2]), {"line": [[.2, .8], [.2, .8]]})
+    yield {"loops": [polygon(square)] * 2}
+    yield {"loops": [polygon(square)] * 3}
+    yield {"difference": [polygon(square), {"square": {}, "transform": [.6, 0, 0, .6, .2, .2]}]}
+    yield {"loops": [polygon(square), polygon({"line": [[.5, .2], [.9, .2], [.9, .6], [.5, .6]]})]}
+    yield {"loops": [polygon(square), polygon({"line": [[.8, .4], [1, .5], [.8, .6]]})]}
+    yield polygon({"line": [[.2, .2], [.8, .8], [.8, .2], [.2, .8]]})
+    yield polygon(bezier([.1, .2], [1.2, 1.2], [-.2, 1.2], [.9, .2]))
+    yield polygon(bezier([.1, .2], [.9, .8], [.1, .8], [.9, .2]))
+    yield polygon(bezier([.2, .2, 1], [.8, .2, 1e-30], [.8, .8, 1e30], [.2, .8, 1]))
+    yield polygon({"line": [[-3, -3], [4, -3], [4, 4], [-3, 4]]})
+    yield polygon({"line": [[-1e100, -1e100], [1e100, -1e100], [1e100, 1e100], [-1e100, 1e100]]})
+    yield polygon({"line": [[0, 0], [.5, 0], [.5, 1], [0, 1]]})
+    yield polygon({"line": [[.1 + .002 * i, .1 if i % 2 else .9] for i in range(401)]})
+    # and nothing at all
+    yield polygon({"line": [[.2, .2], [.8, .8]]})
+    yield polygon(bezier([.5, .5], [.5, .5], [.5, .5]))
+    yield {"circle": {}, "transform": [0, 0, 0, 0, .5, .5]}
+    yield {"circle": {}, "transform": [.1, 0, 0, .1, 5, 5]}
+
+
+def test_odd_trims():
+    geometry = [dict(g, name=f"{g['name']}{i}", trim=t) for i, t in enumerate(odd_trims()) for g in (SADDLE, TRIANGLE)]
+    name = write("odd.json", scene(*geometry))
+    r = Run("verify", name, "--rays", "4000", "--isa", "plain", "--width", "16")
+    check(works(r), f"{r}: {r.out.decode()}")
+    nothing = write("nothing.json", scene(geometry[-1]))
+    for args in (("info", nothing), ("render", nothing, "-o", "nothing.png", "--size", "16x16")):
+        works(Run(*args))
+    check([h[0] for h in trace(nothing, [down(.2, .2)])] == [math.inf], "a patch that is trimmed away is hit")
 
 
 def test_bench_trims():

@@ -42,7 +42,12 @@ static double *read_points(const json_reader *r, const json_node *n, bool weight
     for (size_t i = 0; i < *count; ++i) {
         const json_node e = json_element(n, i);
         double *p = points + each * i;
-        const bool weighted = weights && json_array_size(e.json) == 3;
+        const size_t numbers = json_array_size(e.json);
+        const bool weighted = weights && numbers == 3;
+        if (weights && json_is_array(e.json) && numbers != 2 && numbers != 3) {
+            json_wrong(r, &e, "a point has 2 or 3 numbers, not %zu", numbers);
+            return free(points), NULL;
+        }
         if (!json_read_numbers(r, &e, "a point", weighted ? 3 : 2, p)) return free(points), NULL;
         if (weights && !weighted) p[2] = 1;
     }

@@ -178,6 +178,8 @@ EPStatus ep_region_end(ep_region *r, ep_message *m)
         if (s) return s;
     } else if (l->kind == EP_REGION_DIFFERENCE && l->children != 2) {
         return ep_fail(m, EP_BAD_DATA, "a difference needs two regions, not %u", l->children);
+    } else if (!l->children && l->kind == EP_REGION_LOOPS) {
+        return ep_fail(m, EP_BAD_DATA, "loops of nothing");
     } else if (!l->children) {
         return ep_fail(m, EP_BAD_DATA, "%s %s of nothing", l->kind == EP_REGION_INTERSECTION ? "an" : "a",
                        kind_name[l->kind]);
