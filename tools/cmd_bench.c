@@ -153,9 +153,9 @@ int cmd_bench(int argc, char **argv)
         return args_wrong(&table, "--degrees goes with none of --plot, --stats and --all-threads");
     if (c.degrees + c.trims + c.trim_curves + c.trim_costs > 1)
         return args_wrong(&table, "--degrees, --trims, --trim-curves and --trim-costs exclude each other");
-    if ((c.trims || c.trim_curves || c.trim_costs) && (c.plot || c.stats || c.all_threads))
-        return args_wrong(&table, "--trims, --trim-curves and --trim-costs go with none of --plot, --stats and "
-                                  "--all-threads");
+    if ((c.trims || c.trim_curves || c.trim_costs) && (c.plot || c.stats || c.all_threads || c.options.scene_camera))
+        return args_wrong(&table, "--trims, --trim-curves and --trim-costs go with none of --plot, --stats, "
+                                  "--scene-camera and --all-threads");
     c.options.build.isa = sets[isa];
     settle(&c);
     return (c.degrees || c.trims || c.trim_curves || c.trim_costs ? run_other(&c) : run(&c)) ? 0 : 1;
