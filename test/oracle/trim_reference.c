@@ -83,13 +83,16 @@ static void apply(const double m[6], const double p[2], double out[2])
     out[1] = m[1] * x + m[3] * y + m[5];
 }
 
-/* Homogeneous points in the shape's own coordinates. */
-static bool add_curve(trim_shape *s, unsigned degree, const point *p)
+/* Homogeneous points in the shape's own coordinates, and the ends as the neighbours have them. */
+static bool add_curve(trim_shape *s, unsigned degree, const point *p, const double from[2], const double to[2])
 {
     shape_curve *curves = grown(s->curves, s->curve_count, sizeof *s->curves);
     if (!curves) return false;
     s->curves = curves;
-    s->curves[s->curve_count++] = (shape_curve){s->point_count, degree};
+    shape_curve *curve = &s->curves[s->curve_count++];
+    *curve = (shape_curve){.first = s->point_count, .degree = degree};
+    apply(s->place, from, curve->end[0]);
+    apply(s->place, to, curve->end[1]);
     for (unsigned i = 0; i <= degree; ++i) {
         point *points = grown(s->points, s->point_count, sizeof *s->points);
         if (!points) return false;
@@ -106,7 +109,7 @@ static bool add_curve(trim_shape *s, unsigned degree, const point *p)
 static bool add_line(trim_shape *s, const double a[2], const double b[2])
 {
     if (a[0] == b[0] && a[1] == b[1]) return true;
-    return add_curve(s, 1, (const point[2]){{a[0], a[1], 1}, {b[0], b[1], 1}});
+    return add_curve(s, 1, (const point[2]){{a[0], a[1], 1}, {b[0], b[1], 1}}, a, b);
 }
 
 /* The blossom of a spline of degree n in the span from k[i], at n arguments [Ramshaw 1989]; d holds points i-n to i. */
@@ -155,8 +158,9 @@ static bool add_spans(trim_shape *s, const trim_segment *g, unsigned n, const do
         }
         double from[2];
         project(bezier[0], from);
-        if (!go_to(s, from, begun, start, at) || !add_curve(s, n, bezier)) return false;
+        if (!go_to(s, from, begun, start, at)) return false;
         project(bezier[n], at);
+        if (!add_curve(s, n, bezier, from, at)) return false;
     }
     return true;
 }
@@ -194,7 +198,8 @@ static bool follow_circle(trim_shape *s)
     bool done = true;
     for (int i = 0; i < 4; ++i) {
         const double x = i == 0 ? 1 : i == 2 ? -1 : 0, y = i == 1 ? 1 : i == 3 ? -1 : 0, w = sqrt(0.5);
-        done = done && add_curve(s, 2, (const point[3]){{x, y, 1}, {w * (x - y), w * (y + x), w}, {-y, x, 1}});
+        const point p[3] = {{x, y, 1}, {w * (x - y), w * (y + x), w}, {-y, x, 1}};
+        done = done && add_curve(s, 2, p, p[0], p[2]);
     }
     return done;
 }
@@ -235,19 +240,17 @@ static void halve(const point *p, unsigned n, point *left, point *right)
     }
 }
 
-static void ask(question *q, const point *p, unsigned n, int halvings)
+static void ask(question *q, const point *p, unsigned n, const double from[2], const double to[2], int halvings)
 {
-    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY}, end[2][2];
+    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY}, middle[2];
     for (unsigned i = 0; i <= n; ++i) {
         double e[2];
         project(p[i], e);
         for (int c = 0; c < 2; ++c) lo[c] = fmin(lo[c], e[c]), hi[c] = fmax(hi[c], e[c]);
     }
     const double away = fmax(fmax(lo[0] - q->x, q->x - hi[0]), fmax(lo[1] - q->y, q->y - hi[1]));
-    project(p[0], end[0]);
-    project(p[n], end[1]);
     if (away > q->band) {
-        if (q->y < lo[1]) q->odd ^= (end[0][0] <= q->x) != (end[1][0] <= q->x);
+        if (q->y < lo[1]) q->odd ^= (from[0] <= q->x) != (to[0] <= q->x);
         return;
     }
     if (hypot(hi[0] - lo[0], hi[1] - lo[1]) < 0.1 * q->band || halvings == MOST_HALVINGS) {
@@ -256,8 +259,9 @@ static void ask(question *q, const point *p, unsigned n, int halvings)
     }
     point left[MOST_DEGREE + 1], right[MOST_DEGREE + 1];
     halve(p, n, left, right);
-    ask(q, left, n, halvings + 1);
-    if (!q->near) ask(q, right, n, halvings + 1);
+    project(right[0], middle);
+    ask(q, left, n, from, middle, halvings + 1);
+    if (!q->near) ask(q, right, n, middle, to, halvings + 1);
 }
 
 /* In the contour's own coordinates, where that is simple. */
@@ -271,8 +275,10 @@ static bool primitive_has(const trim_shape *s, double x, double y)
 static shape_side contour_at(const trim_shape *s, double x, double y, double band)
 {
     question q = {x, y, band, false, false};
-    for (size_t i = 0; i < s->curve_count && !q.near; ++i)
-        ask(&q, (const point *)s->points + s->curves[i].first, s->curves[i].degree, 0);
+    for (size_t i = 0; i < s->curve_count && !q.near; ++i) {
+        const shape_curve *c = &s->curves[i];
+        ask(&q, (const point *)s->points + c->first, c->degree, c->end[0], c->end[1], 0);
+    }
     if (q.near) return SHAPE_NEAR;
     return (s->kind == SHAPE_POLYGON ? q.odd : primitive_has(s, x, y)) ? SHAPE_IN : SHAPE_OUT;
 }

@@ -33,9 +33,11 @@ typedef enum shape_kind {
     SHAPE_CIRCLE
 } shape_kind;
 
-/* A Bézier curve in the domain's coordinates: where its degree+1 homogeneous points begin. */
+/* A Bézier curve in the domain's coordinates. Curves that meet have equal ends, bit for bit: those of the points round.
+ */
 typedef struct shape_curve {
-    size_t first;
+    double end[2][2];
+    size_t first; /* of its degree+1 homogeneous points */
     unsigned degree;
 } shape_curve;
 
