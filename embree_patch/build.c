@@ -137,16 +137,16 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
     if (depth < a->settings->maxDepth) {
         const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) &&
                           f->distortion <= max_distortion && f->loss <= max_loss;
-        const bool hopeless = !(f->distortion < 1) && depth * ep_kinds[kind].halvings >= FOLD_DEPTH;
+        const bool hopeless = stage == SURFACE && !(f->distortion < 1) && depth * ep_kinds[kind].halvings >= FOLD_DEPTH;
         ep_domain parts[EP_TRIMMED_PARTS];
         if (!good && !hopeless) {
             const unsigned n = ep_kinds[kind].split(d, f->turn[1] > f->turn[0], parts);
             build_parts(a, parts, n, part, stage, depth + 1, l);
             return;
         }
-        if (part && ep_trimmed_wants_split(kind, d)) {
-            const unsigned n = ep_trimmed_split(a->trim, part, kind, d, parts);
-            build_parts(a, parts, n, part, TRIM, depth + 1, l);
+        if (part && ep_trimmed_wants_split(a->trim, part, kind, d, a->settings->trimSplit)) {
+            const unsigned n = ep_trimmed_split(a->trim, part, kind, d, a->settings->trimSplit, f->distortion, parts);
+            build_parts(a, parts, n, part, hopeless ? SURFACE : TRIM, depth + 1, l);
             return;
         }
     }

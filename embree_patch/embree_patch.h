@@ -166,17 +166,26 @@ EP_API int epIsInRegion(EPRegion region, double u, double v);
  * through it. EP_INVALID: no such patches, or the region is not complete. */
 EP_API EPStatus epSetPatchTrim(EPGeometry geometry, uint32_t firstPatch, size_t count, EPRegion region);
 
+/* How the parts of a patch that trim curves cross are divided: only their leaves ever test a hit's u and v. */
+typedef enum EPTrimSplit {
+    EP_TRIM_SPLIT_CURVES,  /* along the curves, until hardly any of the patch is crossed              */
+    EP_TRIM_SPLIT_COST,    /* along the curves, as long as testing a point costs more than a level    */
+    EP_TRIM_SPLIT_REGULAR, /* into equal parts, which get as small as those along the curves; slower */
+    EP_TRIM_SPLIT_NONE     /* as the surface demands, but for parts outside; slower                  */
+} EPTrimSplit;
+
 /* How to cut patches into leaves. Start from epDefaultBuildSettings(). None of these changes which point a ray
  * hits; they trade build time and memory against speed. */
 typedef struct EPBuildSettings {
-    size_t size;       /* sizeof(EPBuildSettings) in your build; set by epDefaultBuildSettings       */
-    float thickness;   /* a leaf's prism is at most this thick, relative to its width. 0.1; in (0,1] */
-    unsigned maxDepth; /* halvings of a patch's domain at most. 20; in 0..40                          */
-    unsigned threads;  /* for the build; 0: all. The leaves do not depend on it                       */
-    float rayDistance; /* how far from the geometry rays may start, in scene units; 0: 64 times the
-                          geometry's diagonal. Embree's traversal rounds in proportion to this distance,
-                          and the leaves' boxes are padded against it                                 */
-    const char *isa;   /* "plain", "avx2" or "avx512"; NULL: the best that this machine runs          */
+    size_t size;           /* sizeof(EPBuildSettings) in your build; set by epDefaultBuildSettings       */
+    float thickness;       /* a leaf's prism is at most this thick, relative to its width. 0.1; in (0,1]  */
+    unsigned maxDepth;     /* halvings of a patch's domain at most. 20; in 0..40                          */
+    unsigned threads;      /* for the build; 0: all. The leaves do not depend on it                       */
+    float rayDistance;     /* how far from the geometry rays may start, in scene units; 0: 64 times the
+                              geometry's diagonal. Embree's traversal rounds in proportion to this distance,
+                              and the leaves' boxes are padded against it                                 */
+    const char *isa;       /* "plain", "avx2" or "avx512"; NULL: the best that this machine runs          */
+    EPTrimSplit trimSplit; /* EP_TRIM_SPLIT_CURVES                                                           */
 } EPBuildSettings;
 
 /* Inline on purpose: compiled with the caller's idea of the size. */
@@ -189,6 +198,7 @@ static inline EPBuildSettings epDefaultBuildSettings(void)
     s.threads = 0;
     s.rayDistance = 0.0f;
     s.isa = NULL;
+    s.trimSplit = EP_TRIM_SPLIT_CURVES;
     return s;
 }
 EP_API EPStatus epSetGeometryBuildSettings(EPGeometry geometry, const EPBuildSettings *settings);
@@ -229,7 +239,8 @@ typedef struct EPStatistics {
     double averageDepth; /* halvings of the domain, mean over leaves                            */
     unsigned maximumDepth;
     double averageThickness; /* thickness of a leaf's prism relative to its width, mean over leaves */
-    size_t bytes;            /* everything this geometry has allocated: nets, leaves, boxes         */
+    size_t bytes;            /* allocated for this geometry: points, leaves, boxes, and the regions that trim it,
+                                even if they are shared with other geometries                       */
     double buildSeconds;     /* of the last commit                                                  */
     const char *isa;         /* the kernels in use                                                  */
 } EPStatistics;

@@ -151,6 +151,8 @@ EPStatus epSetGeometryBuildSettings(EPGeometry g, const EPBuildSettings *setting
     if (s.maxDepth > 40) return ep_fail(&g->message, EP_INVALID, "a depth of %u is not in 0..40", s.maxDepth);
     if (!(s.rayDistance >= 0 && s.rayDistance < INFINITY))
         return ep_fail(&g->message, EP_INVALID, "a ray distance of %g is not finite and positive", s.rayDistance);
+    if ((unsigned)s.trimSplit > EP_TRIM_SPLIT_NONE)
+        return ep_fail(&g->message, EP_INVALID, "%d is no way to split trimmed parts", (int)s.trimSplit);
     const ep_kernels *kernels = ep_find_kernels(s.isa);
     if (!kernels)
         return ep_fail(&g->message, EP_UNSUPPORTED, "this machine has no instruction set '%s' that we know", s.isa);
@@ -168,12 +170,30 @@ static double seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+static int by_address(const void *a, const void *b)
+{
+    const uintptr_t x = (uintptr_t) * (const EPRegion *)a, y = (uintptr_t) * (const EPRegion *)b;
+    return (x > y) - (x < y);
+}
+
+/* Of the regions, each counted once; sorts them. */
+static size_t bytes_of_regions(EPRegion *regions, size_t count)
+{
+    size_t bytes = 0;
+    qsort(regions, count, sizeof *regions, by_address);
+    for (size_t i = 0; i < count; ++i)
+        if (regions[i] && (!i || regions[i] != regions[i - 1])) bytes += ep_region_object_bytes(regions[i]);
+    return bytes;
+}
+
 EPStatus epCommitGeometry(EPGeometry g)
 {
     const double start = seconds();
     ep_patch *patches = ep_alloc(g->added_count, sizeof *patches);
     const ep_trim **trims = ep_alloc(g->added_count, sizeof *trims);
-    if (!patches || !trims) {
+    EPRegion *regions = ep_alloc(g->added_count, sizeof *regions);
+    if (!patches || !trims || !regions) {
+        ep_free(regions);
         ep_free(patches);
         ep_free(trims);
         return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
@@ -186,7 +206,10 @@ EPStatus epCommitGeometry(EPGeometry g)
                                 .degree_v = a->degree_v,
                                 .rational = a->rational};
         trims[i] = a->region ? a->region->trim : NULL;
+        regions[i] = a->region;
     }
+    const size_t region_bytes = bytes_of_regions(regions, g->added_count);
+    ep_free(regions);
     ep_hierarchy h;
     const EPStatus status = ep_build(patches, trims, g->added_count, &g->settings, &g->message, &h);
     if (status != EP_OK) {
@@ -196,6 +219,7 @@ EPStatus epCommitGeometry(EPGeometry g)
     }
     ep_hierarchy_free(&g->hierarchy);
     g->hierarchy = h;
+    g->region_bytes = region_bytes;
     g->committed = true;
     g->build_seconds = seconds() - start;
     return EP_OK;
@@ -254,7 +278,8 @@ void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
         .averageThickness = h->average_thickness,
         .bytes = sizeof *g + g->added_capacity * sizeof *g->added + g->point_capacity * sizeof *g->points +
                  h->patch_count * (sizeof *h->patches + sizeof *h->trims) + h->trim_words * sizeof *h->crossed +
-                 h->net_floats * sizeof(float) + h->leaf_count * (sizeof *h->leaves + sizeof *h->boxes),
+                 h->net_floats * sizeof(float) + h->leaf_count * (sizeof *h->leaves + sizeof *h->boxes) +
+                 g->region_bytes,
         .buildSeconds = g->build_seconds,
         .isa = g->kernels->isa,
     };

@@ -26,6 +26,7 @@ struct EPGeometryTy {
     ep_point *points; /* homogeneous */
     size_t point_count, point_capacity;
     ep_hierarchy hierarchy; /* of the last commit */
+    size_t region_bytes;    /* that trim it, then */
     bool committed;
     double build_seconds;
     ep_message message;

@@ -49,6 +49,11 @@ static EPStatus complete(EPRegion r, EPStatus status)
     return ep_trim_new(r->region, &r->trim, &r->message);
 }
 
+size_t ep_region_object_bytes(EPRegion r)
+{
+    return sizeof *r + ep_region_bytes(r->region) + ep_trim_bytes(r->trim);
+}
+
 EPStatus epBeginRegion(EPRegion r, EPRegionKind kind, const double transform[6])
 {
     if ((unsigned)kind > EP_POLYGON) return ep_fail(&r->message, EP_INVALID, "%d is no kind of region", (int)kind);

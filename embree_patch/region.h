@@ -15,4 +15,7 @@ struct EPRegionTy {
     ep_message message;
 };
 
+/* What a complete region has allocated. */
+size_t ep_region_object_bytes(EPRegion region);
+
 #endif

@@ -23,6 +23,7 @@ import sys
 import tempfile
 import time
 import traceback
+import xml.etree.ElementTree
 
 EPATCH = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else sys.exit(__doc__)
 MISS = 0xFFFFFFFF
@@ -219,6 +220,15 @@ def bad_scenes():
                           ('{"difference": [{"circle": {}}]}', "a difference"),
                           ('{"polygon": {"segments": [{"line": [[0, 0]]}]}}', "a line needs at least two points"),
                           ('{"polygon": {"segments": [{"bezier": {"points": [[0, 0], [1, 1, 0]]}}]}}', "weight of point 2"),
+                          ('{"polygon": {"segments": [{"bezier": {"points": [[0, 0], [1]]}}]}}', "a point has 2 or 3 numbers, not 1"),
+                          ('{"polygon": {"segments": []}}', "a polygon needs at least one segment"),
+                          ('{"loops": []}', "loops of nothing"), ('{"union": []}', "a union of nothing"),
+                          ('{"loops": [{"circle": {}}]}', "a circle cannot be a part of loops"),
+                          ('{"polygon": {"segments": [{"nurbs": {"degree": 1, "knots": [0, 2, 1, 3], "points": [[0, 0], [1, 1]]}}]}}',
+                           "knot 3 is 1, below the one before it, 2"),
+                          ('{"polygon": {"segments": [{"bspline": {"degree": 2, "knots": [0, 1], "points": [[0, 0], [1, 1]]}}]}}',
+                           "a curve of degree 2 needs 3 points, not 2"),
+                          ('{"union": [' * 300 + '{"circle": {}}' + "]}" * 300, "regions are nested more than 256 deep"),
                           ('{"circle": {}, "transform": [1, 0, 0]}', "a transform has 3 numbers, not 6")):
         yield patched('"name"', '"trim": %s, "name"' % trim), r":1:\d+: " + message
     for kind in ("nurbs", "quadratic_triangles", "phong_triangles", "pn_triangles", "subdivision"):
@@ -593,6 +603,130 @@ def test_bench():
     os.environ["PATH"] = "."
     refuses(Run("bench", name, "--plot", "q.svg", *BENCH), 1, r"q\.svg: .*gnuplot, which is not installed")
     os.environ["PATH"] = path
+
+
+HOLE = {"difference": [{"square": {}}, {"circle": {}, "transform": [.3, 0, 0, .3, .5, .5]}]}
+
+
+def area(points):
+    """Of a polygon, "x,y x,y ..."; positive."""
+    p = [tuple(map(float, xy.split(","))) for xy in points.split()]
+    return abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(p, p[1:] + p[:1]))) / 2
+
+
+def test_svg():
+    """The leaves in the picture: what is kept, and how little of it is crossed."""
+    bent = dict(SADDLE, trim=HOLE)
+    name = write("hole.json", scene(SADDLE, bent, dict(TRIANGLE, trim={"circle": {}, "transform": [.2, 0, 0, .2, .3, .3]})))
+    kept = {0: 1, 1: 1 - math.pi * .09, 2: math.pi * .04}
+    for patch, want in kept.items():
+        if not works(Run("info", name, "--svg", "domain.svg", "--patch", patch)):
+            continue
+        nodes = list(xml.etree.ElementTree.parse("domain.svg").iter())
+        by_class = {c: [n for n in nodes if n.get("class") == c] for c in "oixc"}
+        areas = {c: sum(area(n.get("points")) for n in by_class[c]) for c in "oix"}
+        check(close([areas["o"]], [.5 if patch == 2 else 1]), f"svg of patch {patch}: domain {areas}")
+        check(areas["i"] <= want + 1e-6 and areas["i"] + areas["x"] >= want - 1e-6, f"svg of patch {patch}: {areas}")
+        check(areas["x"] < .02 * areas["o"], f"svg of patch {patch}: crossed {areas}")
+        check(bool(by_class["c"]) == (patch > 0), f"svg of patch {patch}: {len(by_class['c'])} curves")
+    refuses(Run("info", name, "--svg", "domain2.svg", "--patch", 3), 1, "there is no patch 3; the scene has 3")
+    refuses(Run("info", name, "--svg", "missing/d.svg"), 1, "missing/d.svg: cannot write")
+    refuses(Run("info", name, "--svg", "/dev/full"), 1, "/dev/full: cannot write")
+    refuses(Run("info", name, "--svg", "-"), 2, "--svg needs the name of a file")
+
+
+def test_verify_trims():
+    """The kernels against the reference, where trims decide."""
+    spline = {"nurbs": {"degree": 2, "knots": [0, 0, 0, 1, 2, 3, 3, 3],
+                        "points": [[.7, .5], [.7, .8, 2], [.3, .8], [.3, .2, .5], [.7, .5]]}}
+    trims = [HOLE, {"loops": [{"polygon": {"segments": [{"line": [[.1, .1], [.9, .1], [.5, .9]]}]}},
+                              {"polygon": {"segments": [spline]}}]},
+             {"intersection": [{"polygon": {"segments": [spline], }}, {"square": {}, "transform": [.4, .1, -.1, .4, .3, .3]}]}]
+    geometry = [dict(g, name=f"{g['name']}{i}", trim=t) for g in (SADDLE, TRIANGLE) for i, t in enumerate(trims)]
+    r = Run("verify", write("trims.json", scene(*geometry)), "--rays", "1200", "--isa", "plain")
+    rows = [line.split() for line in r.out.decode().splitlines()[1:]]
+    check(works(r) and len(rows) == 20, f"{r}: {r.out.decode()}")
+    check(all(int(row[4]) > 100 for row in rows), f"verify: too few hits in {rows}")
+
+
+def odd_trims():
+    """Regions that have a meaning, however odd."""
+    def polygon(*segments):
+        return {"polygon": {"segments": list(segments)}}
+
+    def bezier(*points):
+        return {"bezier": {"points": list(points)}}
+
+    square = {"line": [[.2, .2], [.8, .2], [.8, .8], [.2, .8]]}
+    yield polygon({"line": [[.2, .2], [.8, .2]]}, bezier([.8, .5], [.9, .9], [.5, .8]))
+    yield polygon({"line": [[.2, .2], [.2, .2], [.8, .2]]}, bezier([.8, .2], [.8, .2], [.8, .2]), {"line": [[.2, .8], [.2, .8]]})
+    yield {"loops": [polygon(square)] * 2}
+    yield {"loops": [polygon(square)] * 3}
+    yield {"difference": [polygon(square), {"square": {}, "transform": [.6, 0, 0, .6, .2, .2]}]}
+    yield {"loops": [polygon(square), polygon({"line": [[.5, .2], [.9, .2], [.9, .6], [.5, .6]]})]}
+    yield {"loops": [polygon(square), polygon({"line": [[.8, .4], [1, .5], [.8, .6]]})]}
+    yield polygon({"line": [[.2, .2], [.8, .8], [.8, .2], [.2, .8]]})
+    yield polygon(bezier([.1, .2], [1.2, 1.2], [-.2, 1.2], [.9, .2]))
+    yield polygon(bezier([.1, .2], [.9, .8], [.1, .8], [.9, .2]))
+    yield polygon(bezier([.2, .2, 1], [.8, .2, 1e-30], [.8, .8, 1e30], [.2, .8, 1]))
+    yield polygon({"line": [[-3, -3], [4, -3], [4, 4], [-3, 4]]})
+    yield polygon({"line": [[-1e100, -1e100], [1e100, -1e100], [1e100, 1e100], [-1e100, 1e100]]})
+    yield polygon({"line": [[0, 0], [.5, 0], [.5, 1], [0, 1]]})
+    yield polygon({"line": [[.1 + .002 * i, .1 if i % 2 else .9] for i in range(401)]})
+    # and nothing at all
+    yield polygon({"line": [[.2, .2], [.8, .8]]})
+    yield polygon(bezier([.5, .5], [.5, .5], [.5, .5]))
+    yield {"circle": {}, "transform": [0, 0, 0, 0, .5, .5]}
+    yield {"circle": {}, "transform": [.1, 0, 0, .1, 5, 5]}
+
+
+def test_odd_trims():
+    geometry = [dict(g, name=f"{g['name']}{i}", trim=t) for i, t in enumerate(odd_trims()) for g in (SADDLE, TRIANGLE)]
+    name = write("odd.json", scene(*geometry))
+    r = Run("verify", name, "--rays", "4000", "--isa", "plain", "--width", "16")
+    check(works(r), f"{r}: {r.out.decode()}")
+    nothing = write("nothing.json", scene(geometry[-1]))
+    for args in (("info", nothing), ("render", nothing, "-o", "nothing.png", "--size", "16x16")):
+        works(Run(*args))
+    check([h[0] for h in trace(nothing, [down(.2, .2)])] == [math.inf], "a patch that is trimmed away is hit")
+
+
+def test_bench_trims():
+    """Every way to trim is measured, and they agree about what is hit."""
+    name = write("hole.json", scene(SADDLE, dict(SADDLE, name="hole", trim=HOLE)))
+    ways = ["untrimmed", "filter_cells", "filter_strip_trees", "filter_clipping", "filter_clipping_left", "split_none",
+            "split_cost", "split_regular", "split_curves"]
+    r = Run("bench", name, "--trims", "--json", "--runs", "1", "--rays", "4096", "--workloads", "primary1,random16")
+    if works(r):
+        rows = json.loads(r.out)["geometries"]
+        check([g["name"] for g in rows] == ["hole"], f"bench --trims: {rows}")
+        got = {w["trimming"]: w for w in rows[0]["ways"]}
+        check(list(got) == ways and all(x > 0 for w in got.values() for x in w["mrays"].values()), f"bench --trims: {got}")
+        hits = {k: w["hits"]["primary1"] for k, w in got.items()}
+        check(all(close([hits[k] / hits["untrimmed"]], [1 - math.pi * .09], .03) for k in ways[1:]),
+              f"bench --trims: hits {hits}")
+        check(max(hits[k] for k in ways[1:]) - min(hits[k] for k in ways[1:]) < .001, f"bench --trims: hits {hits}")
+        crossed = {k: w["crossed"] for k, w in got.items()}
+        check(crossed["split_curves"] < .02 < crossed["split_none"] < crossed["filter_cells"] == 1, f"crossed {crossed}")
+    r = Run("bench", name, "--trims", "--table", "--trim-tests", "strips", *BENCH)
+    check(works(r) and "| test all, strip trees |" in re.sub(" +", " ", r.out.decode()) and b"clipping" not in r.out,
+          f"bench --trims --table: {r.out.decode()}")
+    r = Run("bench", "--trim-costs", "--json", *BENCH)
+    if works(r):
+        b = json.loads(r.out)
+        check(all(b["ns"][k] > 0 for k in ("strip", "straight", "curved")) and len(b["objects"]) == 12 and
+              all(x > 0 for o in b["objects"] for x in o["ns"].values()), f"bench --trim-costs: {b}")
+    r = Run("bench", "--trim-curves", "--json", "--trim-tests", "cells", *BENCH)
+    if works(r):
+        b = json.loads(r.out)["trim_curves"]
+        check([row["curves"] for row in b["contour"]] == [10, 100, 1000, 10000], f"bench --trim-curves: {b}")
+        check(all([w["trimming"] for w in row["ways"]] == ["untrimmed", "filter_cells", "split_curves"]
+                  for rows in b.values() for row in rows), f"bench --trim-curves: {b}")
+    refuses(Run("bench", write("plain.json", scene(SADDLE)), "--trims", "--json", *BENCH), 1, "nothing in it is trimmed")
+    refuses(Run("bench", name, "--trims", "--trim-costs", *BENCH), 2, "hole.json' is too much")
+    refuses(Run("bench", "--trim-curves", "--trim-costs", *BENCH), 2, "exclude each other")
+    refuses(Run("bench", name, "--trims", "--stats", "s", *BENCH), 2, "go with none of")
+    refuses(Run("bench", name, "--trims", "--trim-tests", "guess", *BENCH), 2, "--trim-tests has 'guess'")
 
 
 def run_test(name):

@@ -38,6 +38,9 @@ static void build_settings(void **state)
     s.maxDepth = 41;
     refuses(g, epSetGeometryBuildSettings(g, &s), EP_INVALID, "41");
     s = usual;
+    s.trimSplit = (EPTrimSplit)4;
+    refuses(g, epSetGeometryBuildSettings(g, &s), EP_INVALID, "split");
+    s = usual;
     s.isa = "abacus";
     refuses(g, epSetGeometryBuildSettings(g, &s), EP_UNSUPPORTED, "abacus");
     s = usual;
@@ -82,7 +85,8 @@ static void patches(void **state)
     static const double bad_weight[] = {0, -1, NAN, INFINITY, 1e-300};
     for (size_t i = 0; i < EP_ARRAY_LEN(bad_weight); ++i) {
         double points[16] = {0, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 1, 1, 1, 1, bad_weight[i]};
-        refuses(g, epAddBezierPatches(g, 1, 1, 1, EP_FORMAT_DOUBLE4, points, 4 * sizeof(double)), EP_BAD_DATA, "weight");
+        refuses(g, epAddBezierPatches(g, 1, 1, 1, EP_FORMAT_DOUBLE4, points, 4 * sizeof(double)), EP_BAD_DATA,
+                "weight");
     }
     EPStatistics t;
     epGetGeometryStatistics(g, &t);

@@ -55,7 +55,7 @@ static void the_definition(void **state)
     for (uint64_t k = 0; k < 400; ++k) {
         rng r = rng_split(1, 0, k);
         test_patch p = any_patch(&r, k, k % 7 ? 9 : 25, k % 3 ? 1 : 50);
-        EPGeometry g = new_geometry(&p, 1, &(EPBuildSettings){sizeof(EPBuildSettings), 1, 0, 1, 0, NULL});
+        EPGeometry g = new_geometry(&p, 1, &(EPBuildSettings){sizeof(EPBuildSettings), .thickness = 1, .threads = 1});
         for (int i = 0; i < 10; ++i) {
             double u, v, x[3], want[3];
             domain_point(&r, p.shape.triangle, &u, &v);
@@ -76,7 +76,7 @@ static void derivatives(void **state)
     for (uint64_t k = 0; k < 300; ++k) {
         rng r = rng_split(2, 0, k);
         test_patch p = any_patch(&r, k, 6, k % 3 ? 1 : 5);
-        EPGeometry g = new_geometry(&p, 1, &(EPBuildSettings){sizeof(EPBuildSettings), 1, 0, 1, 0, NULL});
+        EPGeometry g = new_geometry(&p, 1, &(EPBuildSettings){sizeof(EPBuildSettings), .thickness = 1, .threads = 1});
         const double h = 1e-5;
         double u, v, x[2][2][3], du[2][2][3], dv[2][2][3], pu[3], pv[3], d2[9], size = 0;
         domain_point(&r, p.shape.triangle, &u, &v);
@@ -168,7 +168,7 @@ static void other_nets_of_the_same_surface(void **state)
         p[2].shape = p[3].shape = p[0].shape;
         euclidean(first, &p[2]);
         euclidean(second, &p[3]);
-        EPGeometry g = new_geometry(p, 4, &(EPBuildSettings){sizeof(EPBuildSettings), 1, 0, 1, 0, NULL});
+        EPGeometry g = new_geometry(p, 4, &(EPBuildSettings){sizeof(EPBuildSettings), .thickness = 1, .threads = 1});
         for (int i = 0; i < 10; ++i) {
             double u, v;
             domain_point(&r, p[0].shape.triangle, &u, &v);

@@ -29,6 +29,8 @@ typedef struct trim_style {
     unsigned most_degree;
 } trim_style;
 
+enum { RANDOM_POINTS = 16 };
+
 /* A tree of operators of that depth over random contours about the unit square. */
 trim_shape *random_shape(rng *r, unsigned depth, trim_style style);
 

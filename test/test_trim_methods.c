@@ -29,9 +29,8 @@ static void agree(void **state)
             const bool want = ep_trim_tester_has_point(tester[0], x, y);
             for (int j = 1; j < EP_TRIM_METHODS; ++j) {
                 if (ep_trim_tester_has_point(tester[j], x, y) == want) continue;
-                if (!prepared) shape_prepare(s);
-                prepared = true;
-                CHECK(shape_distance(s, x, y) < 2e-5, "case %u: (%.17g, %.17g) is not %d by %s", k, x, y, want,
+                prepared = prepared || shape_prepare(s);
+                CHECK(shape_at(s, x, y, 2e-5) == SHAPE_NEAR, "case %u: (%.17g, %.17g) is not %d by %s", k, x, y, want,
                       ep_trim_method_name[j]);
             }
         }

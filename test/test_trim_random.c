@@ -35,14 +35,16 @@ static void random_transform(rng *r, trim_shape *s, trim_style style)
 
 static trim_segment *random_segment(rng *r, trim_style style)
 {
-    trim_segment *g = calloc(1, sizeof *g);
-    g->kind = (segment_kind)rng_below(r, 3);
-    g->count = 2 + rng_below(r, style.most_degree);
+    const segment_kind kind = (segment_kind)rng_below(r, 3);
+    unsigned degree = 1, count = 2 + rng_below(r, style.most_degree);
+    if (kind == SEGMENT_NURBS) {
+        degree = 1 + rng_below(r, style.most_degree);
+        count = degree + 1 + rng_below(r, RANDOM_POINTS - degree - 1);
+    }
+    trim_segment *g = segment_new(kind, degree, count);
     if (g->kind == SEGMENT_NURBS) {
-        g->degree = 1 + rng_below(r, style.most_degree);
-        g->count = g->degree + 1 + rng_below(r, SHAPE_POINTS - g->degree - 1);
         const bool clamped = rng_below(r, 3) > 0;
-        const unsigned knots = g->count + g->degree + 1;
+        const unsigned knots = count + degree + 1;
         for (unsigned i = 1; i < knots; ++i) {
             const bool end = i <= g->degree || i > g->count;
             const bool repeat = clamped && end ? true : rng_below(r, 4) == 0;
@@ -68,12 +70,12 @@ static trim_shape *random_contour(rng *r, trim_style style, bool only_polygon)
     trim_shape *s = shape_new(only_polygon ? SHAPE_POLYGON : kinds[rng_below(r, 5)]);
     random_transform(r, s, style);
     if (s->kind == SHAPE_LOOPS) {
-        s->count = 1 + rng_below(r, 3);
-        for (unsigned i = 0; i < s->count; ++i) s->child[i] = random_contour(r, style, true);
+        const unsigned count = 1 + rng_below(r, 3);
+        for (unsigned i = 0; i < count; ++i) shape_add(s, random_contour(r, style, true));
     } else if (s->kind == SHAPE_POLYGON) {
-        s->count = 1 + rng_below(r, 5);
-        for (unsigned i = 0; i < s->count; ++i) {
-            s->segment[i] = random_segment(r, style);
+        const unsigned count = 1 + rng_below(r, 5);
+        for (unsigned i = 0; i < count; ++i) {
+            shape_add_segment(s, random_segment(r, style));
             if (i && rng_below(r, 4)) { /* mostly no gaps */
                 const trim_segment *last = s->segment[i - 1];
                 memcpy(s->segment[i]->points[0], last->points[last->count - 1], 2 * sizeof(double));
@@ -88,8 +90,8 @@ trim_shape *random_shape(rng *r, unsigned depth, trim_style style)
     if (depth == 0) return random_contour(r, style, false);
     trim_shape *s = shape_new((shape_kind)rng_below(r, 3));
     random_transform(r, s, style);
-    s->count = s->kind == SHAPE_DIFFERENCE ? 2 : 1 + rng_below(r, 3);
-    for (unsigned i = 0; i < s->count; ++i) s->child[i] = random_shape(r, i ? rng_below(r, depth) : depth - 1, style);
+    const unsigned count = s->kind == SHAPE_DIFFERENCE ? 2 : 1 + rng_below(r, 3);
+    for (unsigned i = 0; i < count; ++i) shape_add(s, random_shape(r, i ? rng_below(r, depth) : depth - 1, style));
     return s;
 }
 
@@ -98,8 +100,8 @@ static EPStatus build_segment(ep_region *region, const trim_segment *g, ep_messa
     if (g->kind == SEGMENT_BEZIER) return ep_region_bezier(region, g->count, g->points, m);
     if (g->kind == SEGMENT_NURBS)
         return ep_region_nurbs(region, g->degree, g->count + g->degree + 1, g->knots, g->count, g->points, m);
-    double line[SHAPE_POINTS][2];
-    for (unsigned i = 0; i < g->count; ++i) memcpy(line[i], g->points[i], sizeof line[i]);
+    double line[RANDOM_POINTS][2];
+    for (size_t i = 0; i < g->count; ++i) memcpy(line[i], g->points[i], sizeof line[i]);
     return ep_region_line(region, g->count, line, m);
 }
 
@@ -111,7 +113,7 @@ EPStatus build_shape(ep_region *region, const trim_shape *s, ep_message *m)
     if (s->kind == SHAPE_SQUARE) return ep_region_square(region, t, m);
     if (s->kind == SHAPE_CIRCLE) return ep_region_circle(region, t, m);
     EPStatus status = ep_region_begin(region, kinds[s->kind], t, m);
-    for (unsigned i = 0; i < s->count && !status; ++i)
+    for (size_t i = 0; i < s->count && !status; ++i)
         status =
             s->kind == SHAPE_POLYGON ? build_segment(region, s->segment[i], m) : build_shape(region, s->child[i], m);
     return status ? status : ep_region_end(region, m);
@@ -124,6 +126,6 @@ ep_trim *new_trim(trim_shape *s)
     ep_trim *trim = NULL;
     if (build_shape(region, s, &m) || ep_trim_new(region, &trim, &m)) FAIL("%s", m.text);
     ep_region_free(region);
-    shape_prepare(s);
+    assert_true(shape_prepare(s));
     return trim;
 }

@@ -5,6 +5,7 @@
 #include "trim/split.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* A seam of a few roundings of float: curves along a leaf's border do not cross it. */
 static const double seam = -0x1p-22;
@@ -45,7 +46,7 @@ static void check_leaf(walk *w, const ep_trim_domain *d, const ep_trim_part *par
                     v = (float)(y / sum + rng_in(&w->r, seam, -seam));
         const bool got = part->state == EP_TRIM_CROSSED ? ep_trim_inside(w->trim, w->store.words, node, 1, &u, &v, 1)
                                                         : part->state == EP_TRIM_INSIDE;
-        if (got != ep_trim_has_point(w->trim, u, v) && shape_distance(w->shape, u, v) > 2e-5)
+        if (got != ep_trim_has_point(w->trim, u, v) && shape_at(w->shape, u, v, 2e-5) != SHAPE_NEAR)
             FAIL("case %u: (%.9g, %.9g) is %d in a leaf of state %d", w->number, u, v, got, part->state);
     }
     w->area[part->state] += area_of(d);
@@ -121,17 +122,21 @@ static void random_regions(void **state)
     }
 }
 
+static trim_shape *square_without(shape_kind kind, const double transform[6])
+{
+    trim_shape *s = shape_new(SHAPE_DIFFERENCE), *hole = shape_new(kind);
+    hole->transformed = true;
+    memcpy(hole->transform, transform, sizeof hole->transform);
+    assert_true(shape_add(s, shape_new(SHAPE_SQUARE)) && shape_add(s, hole));
+    return s;
+}
+
 /* Straight edges become edges of leaves, and the border of the domain is not in it. */
 static void straight_edges(void **state)
 {
     (void)state;
-    trim_shape *s = shape_new(SHAPE_DIFFERENCE);
-    s->count = 2;
-    s->child[0] = shape_new(SHAPE_SQUARE);
-    s->child[1] = shape_new(SHAPE_SQUARE);
-    s->child[1]->transformed = true;
     const double turned[6] = {0.3, 0.1, -0.15, 0.2, 0.3, 0.2};
-    for (int i = 0; i < 6; ++i) s->child[1]->transform[i] = turned[i];
+    trim_shape *s = square_without(SHAPE_SQUARE, turned);
     const walk w = walk_shape(s, 0, true, 0x1p-13);
     print_message("square hole: %zu inside, %zu outside, %zu crossed of %.2g %%\n", w.leaves[EP_TRIM_INSIDE],
                   w.leaves[EP_TRIM_OUTSIDE], w.leaves[EP_TRIM_CROSSED], 200 * w.area[EP_TRIM_CROSSED]);
@@ -141,10 +146,8 @@ static void straight_edges(void **state)
 static trim_shape *polygon_of(unsigned count, const double (*corners)[2])
 {
     trim_shape *s = shape_new(SHAPE_POLYGON);
-    s->count = 1;
-    trim_segment *g = s->segment[0] = calloc(1, sizeof *g);
-    g->kind = SEGMENT_LINE;
-    g->count = count;
+    trim_segment *g = segment_new(SEGMENT_LINE, 1, count);
+    assert_true(shape_add_segment(s, g));
     for (unsigned i = 0; i < count; ++i) g->points[i][0] = corners[i][0], g->points[i][1] = corners[i][1];
     return s;
 }
@@ -183,13 +186,8 @@ static void curved_edges(void **state)
 {
     (void)state;
     for (int triangle = 0; triangle < 2; ++triangle) {
-        trim_shape *s = shape_new(SHAPE_DIFFERENCE);
-        s->count = 2;
-        s->child[0] = shape_new(SHAPE_SQUARE);
-        s->child[1] = shape_new(SHAPE_CIRCLE);
-        s->child[1]->transformed = true;
         const double placed[6] = {0.2, 0, 0, 0.2, 0.35, 0.3};
-        for (int i = 0; i < 6; ++i) s->child[1]->transform[i] = placed[i];
+        trim_shape *s = square_without(SHAPE_CIRCLE, placed);
         const walk w = walk_shape(s, 0, triangle, 0x1p-13);
         const double crossed = w.area[EP_TRIM_CROSSED] / (triangle ? 0.5 : 1);
         print_message("round hole: %zu inside, %zu outside, %zu crossed of %.2g %%\n", w.leaves[EP_TRIM_INSIDE],

@@ -9,8 +9,8 @@
 static void add_segment(EPRegion region, const trim_segment *g)
 {
     EPStatus status;
-    double line[SHAPE_POINTS][2];
-    for (unsigned i = 0; i < g->count; ++i) memcpy(line[i], g->points[i], sizeof line[i]);
+    double line[RANDOM_POINTS][2];
+    for (size_t i = 0; i < g->count; ++i) memcpy(line[i], g->points[i], sizeof line[i]);
     if (g->kind == SEGMENT_LINE) status = epAddRegionLine(region, g->count, line[0]);
     else if (g->kind == SEGMENT_BEZIER) status = epAddRegionBezier(region, g->count, g->points[0]);
     else status = epAddRegionNURBS(region, g->degree, g->count + g->degree + 1, g->knots, g->count, g->points[0]);
@@ -28,7 +28,7 @@ static void add_shape(EPRegion region, const trim_shape *s)
         status = epAddRegionCircle(region, t);
     } else {
         status = epBeginRegion(region, kinds[s->kind], t);
-        for (unsigned i = 0; i < s->count && !status; ++i)
+        for (size_t i = 0; i < s->count && !status; ++i)
             if (s->kind == SHAPE_POLYGON) add_segment(region, s->segment[i]);
             else add_shape(region, s->child[i]);
         if (!status) status = epEndRegion(region);
@@ -45,9 +45,11 @@ static EPRegion new_region(const trim_shape *s)
 }
 
 /* A geometry of trimmed patches, traced by a scene of its own. */
-static test_scene new_trimmed(const test_patch *patches, size_t count, EPRegion region)
+static test_scene new_trimmed(const test_patch *patches, size_t count, EPRegion region, EPTrimSplit split)
 {
-    EPGeometry g = new_geometry(patches, count, NULL);
+    EPBuildSettings settings = epDefaultBuildSettings();
+    settings.trimSplit = split;
+    EPGeometry g = new_geometry(patches, count, &settings);
     assert_int_equal(epSetPatchTrim(g, 0, count, region), EP_OK);
     CHECK(epCommitGeometry(g) == EP_OK, "%s", epGetGeometryMessage(g));
     return scene_of(g);
@@ -62,9 +64,9 @@ static size_t trim_roots(const trim_shape *shape, oracle_root *roots, size_t cou
     size_t kept = 0;
     for (size_t i = 0; i < count; ++i) {
         oracle_root r = roots[i];
-        const bool near = shape_distance(shape, r.u, r.v) <= border;
-        if (!near && !r.doubtful && !shape_has(shape, r.u, r.v)) continue;
-        r.doubtful = r.doubtful || near;
+        const shape_side side = shape_at(shape, r.u, r.v, border);
+        if (side == SHAPE_OUT && !r.doubtful) continue;
+        r.doubtful = r.doubtful || side == SHAPE_NEAR;
         roots[kept++] = r;
     }
     return kept;
@@ -124,29 +126,26 @@ static void judge_rays(const oracle *o, const trim_shape *shape, RTCScene scene,
 /* The rest of the domain: random regions are small. */
 static trim_shape *without(trim_shape *shape)
 {
-    trim_shape *all = shape_new(SHAPE_SQUARE), *rest = shape_new(SHAPE_DIFFERENCE);
-    rest->count = 2;
-    rest->child[0] = all;
-    rest->child[1] = shape;
+    trim_shape *rest = shape_new(SHAPE_DIFFERENCE);
+    assert_true(shape_add(rest, shape_new(SHAPE_SQUARE)) && shape_add(rest, shape));
     return rest;
 }
 
-static void random_regions(void **state)
+static void try_regions(uint64_t seed, int count, EPTrimSplit split)
 {
-    (void)state;
     /* not collapsed ones: of the parameters that meet in a pole any may be inside */
     static const patch_style styles[] = {STYLE_GENTLE, STYLE_WILD, STYLE_FLAT};
     tally t = {0};
-    for (int k = 0; k < 64; ++k) {
-        rng r = rng_split(11, 0, (uint64_t)k);
+    for (int k = 0; k < count; ++k) {
+        rng r = rng_split(seed, 0, (uint64_t)k);
         test_patch p;
         trim_shape *shape = random_shape(&r, 1 + (unsigned)k % 4, (trim_style){0, 5, 4});
         if (k % 2) shape = without(shape);
-        shape_prepare(shape);
+        assert_true(shape_prepare(shape));
         random_patch(&r, styles[k / 8 % 3], k / 2 % 2, (patch_limits){5, k % 3 ? 1 : 3}, &p);
         EPRegion region = new_region(shape);
         oracle *o = new_oracle(&p, 1);
-        test_scene s = new_trimmed(&p, 1, region);
+        test_scene s = new_trimmed(&p, 1, region, split);
         epReleaseRegion(region);
         for (unsigned packet = 0; packet < 12; ++packet) judge_rays(o, shape, s.scene, &r, packet, k, &t);
         free_scene(&s);
@@ -156,6 +155,18 @@ static void random_regions(void **state)
     print_message("%lu rays, %lu hits, %lu faults\n", t.rays, t.hits, t.faults);
     assert_true(t.hits > t.rays / 10);
     assert_int_equal(t.faults, 0);
+}
+
+static void random_regions(void **state)
+{
+    (void)state;
+    try_regions(11, 64, EP_TRIM_SPLIT_CURVES);
+}
+
+static void every_way_to_split(void **state)
+{
+    (void)state;
+    for (EPTrimSplit split = EP_TRIM_SPLIT_COST; split <= EP_TRIM_SPLIT_NONE; ++split) try_regions(16, 12, split);
 }
 
 /* A disc, or what is left of the square beside it. */
@@ -183,7 +194,7 @@ static void no_gap_along_a_curve(void **state)
         EPRegion region[2] = {disc(transform, false), disc(transform, true)};
         test_scene s[2];
         for (int i = 0; i < 2; ++i) {
-            s[i] = new_trimmed(&p, 1, region[i]);
+            s[i] = new_trimmed(&p, 1, region[i], EP_TRIM_SPLIT_CURVES);
             epReleaseRegion(region[i]);
         }
         for (int i = 0; i < 4000; ++i) {
@@ -218,7 +229,8 @@ static void parts_inside_never_test(void **state)
         EPGeometry plain = new_geometry(&p, 1, NULL);
         EPRegion square = epNewRegion(), far = disc((const double[6]){0.1, 0, 0, 0.1, 3, 3}, false);
         assert_int_equal(epAddRegionSquare(square, NULL), EP_OK);
-        test_scene whole = new_trimmed(&p, 1, square), none = new_trimmed(&p, 1, far);
+        test_scene whole = new_trimmed(&p, 1, square, EP_TRIM_SPLIT_CURVES);
+        test_scene none = new_trimmed(&p, 1, far, EP_TRIM_SPLIT_CURVES);
         const ep_hierarchy *h = &whole.geometry->hierarchy;
         assert_int_equal(h->leaf_count, plain->hierarchy.leaf_count);
         for (size_t i = 0; i < h->leaf_count; ++i) assert_int_equal(h->leaves[i].trim, 0);
@@ -258,6 +270,32 @@ static void threads_change_nothing(void **state)
     for (unsigned i = 0; i < 2; ++i) epReleaseGeometry(g[i]);
 }
 
+/* A geometry is charged for each of its regions, once. */
+static void bytes_of_regions(void **state)
+{
+    (void)state;
+    enum { PATCHES = 4 };
+    test_patch p[PATCHES];
+    EPRegion region[2];
+    size_t bytes[2];
+    rng r = rng_split(17, 0, 0);
+    for (int i = 0; i < PATCHES; ++i) random_patch(&r, STYLE_GENTLE, i % 2, (patch_limits){3, 1}, &p[i]);
+    for (int i = 0; i < 2; ++i) region[i] = disc((const double[6]){0.3, 0, 0, 0.2, 0.4, 0.4}, false);
+    for (uint32_t distinct = 0; distinct < 2; ++distinct) {
+        EPGeometry g = new_geometry(p, PATCHES, NULL);
+        for (uint32_t i = 0; i < PATCHES; ++i)
+            assert_int_equal(epSetPatchTrim(g, i, 1, region[i % 2 * distinct]), EP_OK);
+        assert_int_equal(epCommitGeometry(g), EP_OK);
+        EPStatistics statistics;
+        epGetGeometryStatistics(g, &statistics);
+        bytes[distinct] = statistics.bytes;
+        epReleaseGeometry(g);
+    }
+    assert_int_equal(bytes[1] - bytes[0], ep_region_object_bytes(region[1]));
+    assert_true(ep_region_object_bytes(region[1]) > 4 * 3 * sizeof(double[3])); /* four arcs */
+    for (int i = 0; i < 2; ++i) epReleaseRegion(region[i]);
+}
+
 static void wrong_calls(void **state)
 {
     (void)state;
@@ -288,9 +326,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_regions),
+        cmocka_unit_test(every_way_to_split),
         cmocka_unit_test(no_gap_along_a_curve),
         cmocka_unit_test(parts_inside_never_test),
         cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(bytes_of_regions),
         cmocka_unit_test(wrong_calls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

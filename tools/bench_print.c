@@ -9,27 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Three digits. */
-static void cell_speed(table *t, double x)
-{
-    table_cell(t, x < 0.0995 ? "%.3f" : x < 9.995 ? "%.2f" : x < 99.95 ? "%.1f" : "%.0f", x);
-}
-
-static void cell_bytes(table *t, size_t bytes)
-{
-    const double mb = (double)bytes / 1e6;
-    if (mb < 0.1) table_cell(t, "%.1f kB", 1e3 * mb);
-    else if (mb < 9.995) table_cell(t, "%.2f MB", mb);
-    else if (mb < 9995) table_cell(t, "%.0f MB", mb);
-    else table_cell(t, "%.1f GB", mb / 1e3);
-}
-
-static void cell_seconds(table *t, double s)
-{
-    if (s < 0.9995) table_cell(t, "%.*f ms", s < 0.00995 ? 1 : 0, 1e3 * s);
-    else table_cell(t, "%.1f s", s);
-}
-
 /* What is better when it is less: 1/300 rather than 0.0033. */
 static void cell_part(table *t, double ratio)
 {
@@ -68,14 +47,14 @@ static void row(table *t, const bench *b, const bench_subject *s, unsigned colum
         if (!column) {
             table_cell(t, "%.1e", s->position_error);
             table_cell(t, "%.2g°", s->normal_error);
-            cell_bytes(t, s->bytes);
+            table_bytes(t, s->bytes);
         }
-        cell_seconds(t, bench_median(&s->columns[column].build));
+        table_seconds(t, bench_median(&s->columns[column].build));
     } else {
         for (int i = 0; i < (column ? 1 : 4); ++i) table_cell(t, "%s", "");
     }
     for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
-        if (b->options.workloads >> w & 1) cell_speed(t, bench_median(&s->columns[column].speed[w]));
+        if (b->options.workloads >> w & 1) table_figure(t, bench_median(&s->columns[column].speed[w]));
 }
 
 static void ratios(table *t, const bench *b, const bench_subject *s, unsigned column)
@@ -90,7 +69,7 @@ static void ratios(table *t, const bench *b, const bench_subject *s, unsigned co
     }
     cell_part(t, bench_median(&p->build) / bench_median(&q->build));
     for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
-        if (b->options.workloads >> w & 1) cell_speed(t, bench_median(&p->speed[w]) / bench_median(&q->speed[w]));
+        if (b->options.workloads >> w & 1) table_figure(t, bench_median(&p->speed[w]) / bench_median(&q->speed[w]));
 }
 
 /* What more threads bring. */
@@ -101,8 +80,8 @@ static void scaling(table *t, const bench *b, unsigned column)
     table_cell(t, "%.2f", bench_median(&b->patches.columns[0].build) / bench_median(&b->patches.columns[column].build));
     for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
         if (b->options.workloads >> w & 1)
-            cell_speed(t, bench_median(&b->patches.columns[column].speed[w]) /
-                              bench_median(&b->patches.columns[0].speed[w]));
+            table_figure(t, bench_median(&b->patches.columns[column].speed[w]) /
+                                bench_median(&b->patches.columns[0].speed[w]));
 }
 
 static void print_column(const bench *b, unsigned column, bool markdown)

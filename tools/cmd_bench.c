@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/args.h"
-#include "tools/bench.h"
+#include "tools/bench_trim.h"
 #include "tools/commands.h"
 #include "tools/files.h"
 #include "tools/machine.h"
@@ -13,8 +13,8 @@
 
 typedef struct bench_command {
     const char *scene, *stats, *plot;
-    bool json, markdown, degrees, all_threads;
-    unsigned threads, megabytes;
+    bool json, markdown, degrees, trims, trim_curves, trim_costs, all_threads;
+    unsigned threads, megabytes, methods;
     bench_options options;
 } bench_command;
 
@@ -54,6 +54,15 @@ static bool run(const bench_command *c)
     return done;
 }
 
+/* What is not about tessellations. */
+static bool run_other(const bench_command *c)
+{
+    const bench_form form = c->json ? BENCH_JSON : c->markdown ? BENCH_MARKDOWN : BENCH_TEXT;
+    if (c->degrees) return bench_degrees(&c->options, form);
+    if (c->trims) return bench_trims(c->scene, &c->options, c->methods, form);
+    return c->trim_curves ? bench_trim_curves(&c->options, c->methods, form) : bench_trim_costs(&c->options, form);
+}
+
 /* Unless more is asked for: beyond it, building alone takes minutes. */
 #define MEMORY_DEFAULT ((size_t)4 << 30)
 
@@ -77,13 +86,19 @@ int cmd_bench(int argc, char **argv)
 {
     static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
     bench_command c = {.threads = 1,
+                       .methods = (1u << EP_TRIM_METHODS) - 1,
                        .options = {.runs = 5,
                                    .rays = 1 << 19,
                                    .workloads = (1u << BENCH_WORKLOADS) - 1,
                                    .max_grid = BENCH_LAST_GRID,
                                    .build = epDefaultBuildSettings()}};
     unsigned isa = 0;
-    for (int i = 1; i < argc; ++i) c.degrees |= !strcmp(argv[i], "--degrees");
+    bool no_scene = false;
+    for (int i = 1; i < argc; ++i) {
+        c.degrees |= !strcmp(argv[i], "--degrees");
+        no_scene |= !strcmp(argv[i], "--trim-curves") || !strcmp(argv[i], "--trim-costs");
+    }
+    no_scene |= c.degrees;
     if (c.degrees) c.threads = 0;
     const arg_option options[] = {
         ARG_FLAG("--json", &c.json, "one JSON object instead of the table"),
@@ -107,13 +122,20 @@ int cmd_bench(int argc, char **argv)
         ARG_FLAG("--degrees", &c.degrees,
                  "instead of a SCENE: patches of degree 2x2 to 6x6 that\nfill the picture, beside the speeds that "
                  "Pabst et al.\nmeasured on a GPU in 2006"),
+        ARG_FLAG("--trims", &c.trims,
+                 "instead of tessellations: each trimmed geometry of the\nscene, all of its hits tested, or its leaves "
+                 "divided in\nseveral ways"),
+        ARG_FLAG("--trim-curves", &c.trim_curves, "instead of a SCENE: a patch with 4 to 10,000 trim curves"),
+        ARG_FLAG("--trim-costs", &c.trim_costs, "instead of a SCENE: what testing a point costs here"),
+        ARG_SET("--trim-tests", "cells,strips,clipping,left", &c.methods,
+                "the ways to test hits that --trims and --trim-curves\ncompare (all)"),
         ARG_CHOICE("--isa", "best|plain|avx2|avx512", &isa, "instruction set of the kernels (best)"),
     };
     const arg_table table = {"bench SCENE",
                              "Measures exact patches against tessellations, each patch 8 x 8, 16 x 16, ... cells of\n"
                              "Embree triangles until they are as exact as the patches or memory ends: speed, error,\n"
                              "memory and time to build, all in one run.",
-                             c.degrees ? NULL : "SCENE",
+                             no_scene ? NULL : "SCENE",
                              &c.scene,
                              options,
                              ARG_COUNT(options)};
@@ -129,9 +151,12 @@ int cmd_bench(int argc, char **argv)
         return args_wrong(&table, "--plot is '%s', not the name of an .svg file", c.plot);
     if (c.degrees && (c.plot || c.stats || c.all_threads))
         return args_wrong(&table, "--degrees goes with none of --plot, --stats and --all-threads");
+    if (c.degrees + c.trims + c.trim_curves + c.trim_costs > 1)
+        return args_wrong(&table, "--degrees, --trims, --trim-curves and --trim-costs exclude each other");
+    if ((c.trims || c.trim_curves || c.trim_costs) && (c.plot || c.stats || c.all_threads || c.options.scene_camera))
+        return args_wrong(&table, "--trims, --trim-curves and --trim-costs go with none of --plot, --stats, "
+                                  "--scene-camera and --all-threads");
     c.options.build.isa = sets[isa];
     settle(&c);
-    if (c.degrees)
-        return bench_degrees(&c.options, c.json ? BENCH_JSON : c.markdown ? BENCH_MARKDOWN : BENCH_TEXT) ? 0 : 1;
-    return run(&c) ? 0 : 1;
+    return (c.degrees || c.trims || c.trim_curves || c.trim_costs ? run_other(&c) : run(&c)) ? 0 : 1;
 }

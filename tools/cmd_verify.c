@@ -102,7 +102,8 @@ int cmd_verify(int argc, char **argv)
         "of the scene by itself, untransformed. A fault is a hit missed, one too many, a wrong t\n"
         "(2e-5 relative), u, v or normal (0.25 degrees), an occlusion query that disagrees, or other\n"
         "bits in another width or instruction set. Rays that a rounding could turn from hit to miss,\n"
-        "within 2e-3 of tangency or 1e-5 of a border, are left out. Exit status 1 when there is a fault.",
+        "within 2e-3 of tangency, 1e-5 of a border or 2e-5 of a trim, are left out. Exit status 1 when\n"
+        "there is a fault.",
         "SCENE",
         &c.scene,
         options,

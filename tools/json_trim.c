@@ -2,8 +2,9 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * Only the shape of the JSON is checked here. What points, weights, knots and trees may be is the library's business;
- * its messages are given the place of the node that they are about. */
+ * A region is read twice at once: for the library, and as it is written, for the reference that `epatch verify` holds
+ * the library against. Only the shape of the JSON is checked here. What points, weights, knots and trees may be is the
+ * library's business; its messages are given the place of the node that they are about. */
 #include "tools/json_trim.h"
 #include "tools/args.h"
 
@@ -41,19 +42,35 @@ static double *read_points(const json_reader *r, const json_node *n, bool weight
     for (size_t i = 0; i < *count; ++i) {
         const json_node e = json_element(n, i);
         double *p = points + each * i;
-        const bool weighted = weights && json_array_size(e.json) == 3;
+        const size_t numbers = json_array_size(e.json);
+        const bool weighted = weights && numbers == 3;
+        if (weights && json_is_array(e.json) && numbers != 2 && numbers != 3) {
+            json_wrong(r, &e, "a point has 2 or 3 numbers, not %zu", numbers);
+            return free(points), NULL;
+        }
         if (!json_read_numbers(r, &e, "a point", weighted ? 3 : 2, p)) return free(points), NULL;
         if (weights && !weighted) p[2] = 1;
     }
     return points;
 }
 
-static bool read_line(const json_reader *r, const json_node *n, EPRegion region)
+/* The segment for the reference; `each` numbers a point. */
+static bool keep_segment(const json_reader *r, trim_shape *polygon, segment_kind kind, unsigned degree, size_t count,
+                         const double *points, size_t each, const double *knots)
+{
+    trim_segment *g = segment_new(kind, degree, count);
+    for (size_t i = 0; g && i < count; ++i) memcpy(g->points[i], points + each * i, each * sizeof *points);
+    if (g && knots) memcpy(g->knots, knots, (count + degree + 1) * sizeof *knots);
+    return shape_add_segment(polygon, g) || json_no_memory(r);
+}
+
+static bool read_line(const json_reader *r, const json_node *n, EPRegion region, trim_shape *polygon)
 {
     size_t count;
     double *points = read_points(r, n, false, &count);
     if (!points) return false;
-    const bool done = check(r, n, region, epAddRegionLine(region, count, points));
+    const bool done = check(r, n, region, epAddRegionLine(region, count, points)) &&
+                      keep_segment(r, polygon, SEGMENT_LINE, 1, count, points, 2, NULL);
     free(points);
     return done;
 }
@@ -65,7 +82,7 @@ static double *read_curve_points(const json_reader *r, const json_node *n, const
     return read_points(r, &points, true, count);
 }
 
-static bool read_bezier(const json_reader *r, const json_node *n, EPRegion region)
+static bool read_bezier(const json_reader *r, const json_node *n, EPRegion region, trim_shape *polygon)
 {
     static const char *const keys[] = {"points"};
     static const char what[] = "a Bézier curve";
@@ -73,7 +90,8 @@ static bool read_bezier(const json_reader *r, const json_node *n, EPRegion regio
     size_t count;
     double *points = read_curve_points(r, n, what, &count);
     if (!points) return false;
-    const bool done = check(r, n, region, epAddRegionBezier(region, count, points));
+    const bool done = check(r, n, region, epAddRegionBezier(region, count, points)) &&
+                      keep_segment(r, polygon, SEGMENT_BEZIER, (unsigned)count - 1, count, points, 3, NULL);
     free(points);
     return done;
 }
@@ -89,7 +107,7 @@ static double *read_knots(const json_reader *r, const json_node *n, size_t *coun
     return NULL;
 }
 
-static bool read_nurbs(const json_reader *r, const json_node *n, EPRegion region)
+static bool read_nurbs(const json_reader *r, const json_node *n, EPRegion region, trim_shape *polygon)
 {
     static const char *const keys[] = {"degree", "knots", "points"};
     static const char what[] = "a spline";
@@ -104,32 +122,33 @@ static bool read_nurbs(const json_reader *r, const json_node *n, EPRegion region
     size_t count = 0, knot_count = 0;
     double *points = read_curve_points(r, n, what, &count);
     double *knots = points ? read_knots(r, &k, &knot_count) : NULL;
-    const bool done =
-        knots && check(r, n, region, epAddRegionNURBS(region, (unsigned)degree, knot_count, knots, count, points));
+    const unsigned p = (unsigned)degree;
+    const bool done = knots && check(r, n, region, epAddRegionNURBS(region, p, knot_count, knots, count, points)) &&
+                      keep_segment(r, polygon, SEGMENT_NURBS, p, count, points, 3, knots);
     free(points);
     free(knots);
     return done;
 }
 
-static bool read_segment(const json_reader *r, const json_node *n, EPRegion region)
+static bool read_segment(const json_reader *r, const json_node *n, EPRegion region, trim_shape *polygon)
 {
     static const char *const keys[] = {"line", "bezier", "bspline", "nurbs"};
-    static bool (*const read[])(const json_reader *, const json_node *, EPRegion) = {read_line, read_bezier, read_nurbs,
-                                                                                     read_nurbs};
+    static bool (*const read[])(const json_reader *, const json_node *, EPRegion,
+                                trim_shape *) = {read_line, read_bezier, read_nurbs, read_nurbs};
     size_t kind = 0;
     if (!find_key(r, n, "a segment", keys, ARG_COUNT(keys), &kind)) return false;
     const json_node value = json_member(n, keys[kind]);
-    return read[kind](r, &value, region);
+    return read[kind](r, &value, region, polygon);
 }
 
 /* Each element of a list. */
-static bool read_all(const json_reader *r, const json_node *n, const char *what, EPRegion region,
-                     bool (*read)(const json_reader *, const json_node *, EPRegion))
+static bool read_all(const json_reader *r, const json_node *n, const char *what, EPRegion region, trim_shape *parent,
+                     bool (*read)(const json_reader *, const json_node *, EPRegion, trim_shape *))
 {
     if (!json_is(r, n, JSON_ARRAY, what)) return false;
     for (size_t i = 0; i < json_array_size(n->json); ++i) {
         const json_node e = json_element(n, i);
-        if (!read(r, &e, region)) return false;
+        if (!read(r, &e, region, parent)) return false;
     }
     return true;
 }
@@ -140,19 +159,32 @@ static bool check_empty(const json_reader *r, const json_node *n, const char *wh
     return json_is(r, n, JSON_OBJECT, what) && json_only_keys(r, n, what, NULL, 0);
 }
 
-static bool read_polygon(const json_reader *r, const json_node *n, EPRegion region)
+static bool read_polygon(const json_reader *r, const json_node *n, EPRegion region, trim_shape *polygon)
 {
     static const char *const keys[] = {"segments"};
     if (!json_is(r, n, JSON_OBJECT, "a polygon") || !json_only_keys(r, n, "a polygon", keys, ARG_COUNT(keys)))
         return false;
     const json_node segments = json_member(n, "segments");
     if (!segments.json) return json_wrong(r, n, "a polygon has no 'segments'");
-    return read_all(r, &segments, "'segments'", region, read_segment);
+    return read_all(r, &segments, "'segments'", region, polygon, read_segment);
 }
 
-static bool read_region(const json_reader *r, const json_node *n, EPRegion region)
+/* The node for the reference. NULL after a message. */
+static trim_shape *keep_shape(const json_reader *r, trim_shape *parent, shape_kind kind, const double *transform)
 {
-    /* those before "square" in the order of EPRegionKind */
+    trim_shape *s = shape_new(kind);
+    if (s && transform) {
+        s->transformed = true;
+        memcpy(s->transform, transform, sizeof s->transform);
+    }
+    if (shape_add(parent, s)) return s;
+    json_no_memory(r);
+    return NULL;
+}
+
+static bool read_region(const json_reader *r, const json_node *n, EPRegion region, trim_shape *parent)
+{
+    /* in the order of shape_kind, and those before "square" in that of EPRegionKind */
     static const char *const keys[] = {"union",   "intersection", "difference", "loops",
                                        "polygon", "square",       "circle",     "transform"};
     enum { SQUARE = EP_POLYGON + 1 };
@@ -162,22 +194,27 @@ static bool read_region(const json_reader *r, const json_node *n, EPRegion regio
     double six[6];
     if (t.json && !json_read_numbers(r, &t, "a transform", 6, six)) return false;
     const double *transform = t.json ? six : NULL;
+    trim_shape *shape = keep_shape(r, parent, (shape_kind)kind, transform);
+    if (!shape) return false;
     if (kind >= SQUARE) {
         if (!check_empty(r, &value, kind == SQUARE ? "a square" : "a circle")) return false;
         return check(r, n, region,
                      kind == SQUARE ? epAddRegionSquare(region, transform) : epAddRegionCircle(region, transform));
     }
     if (!check(r, n, region, epBeginRegion(region, (EPRegionKind)kind, transform))) return false;
-    if (kind == EP_POLYGON ? !read_polygon(r, &value, region) : !read_all(r, &value, keys[kind], region, read_region))
+    if (kind == EP_POLYGON ? !read_polygon(r, &value, region, shape)
+                           : !read_all(r, &value, keys[kind], region, shape, read_region))
         return false;
     return check(r, n, region, epEndRegion(region));
 }
 
-EPRegion json_read_trim(const json_reader *r, const json_node *n)
+bool json_read_trim(const json_reader *r, const json_node *n, EPRegion *region, trim_shape **shape)
 {
-    EPRegion region = epNewRegion();
-    if (!region) return json_no_memory(r), NULL;
-    if (read_region(r, n, region)) return region;
-    epReleaseRegion(region);
-    return NULL;
+    *region = epNewRegion();
+    *shape = shape_new(SHAPE_UNION); /* of one */
+    if (!*region || !*shape) json_no_memory(r);
+    else if (read_region(r, n, *region, *shape)) return true;
+    epReleaseRegion(*region);
+    shape_free(*shape);
+    return false;
 }

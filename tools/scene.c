@@ -6,6 +6,7 @@
 #include "tools/files.h"
 #include "tools/model.h"
 #include "tools/report.h"
+#include "test/oracle/trim_reference.h"
 
 #include <errno.h>
 #include <math.h>
@@ -77,7 +78,7 @@ double *geometry_add_patch(scene_geometry *g, patch_kind kind, unsigned degree_u
     if (!points) return NULL;
     g->points = points;
 
-    patches[g->patch_count++] = (patch){kind, degree_u, degree_v, g->point_count, false, NULL};
+    patches[g->patch_count++] = (patch){kind, degree_u, degree_v, g->point_count, false, NULL, NULL};
     g->point_count += n;
     return points + 4 * (g->point_count - n);
 }
@@ -170,6 +171,8 @@ void scene_free(scene *s)
         free(s->geometries[i].name);
         free(s->geometries[i].points);
         for (size_t k = 0; k < s->geometries[i].patch_count; ++k) epReleaseRegion(s->geometries[i].patches[k].trim);
+        for (size_t k = 0; k < s->geometries[i].shape_count; ++k) shape_free(s->geometries[i].shapes[k]);
+        free(s->geometries[i].shapes);
         free(s->geometries[i].patches);
     }
     for (size_t i = 0; i < s->object_count; ++i) free(s->objects[i].material);

@@ -18,6 +18,7 @@ typedef struct patch {
     size_t first;                /* index of its first point */
     bool rational;               /* some weight differs from 1 */
     EPRegion trim;               /* NULL: untrimmed; holds a reference */
+    struct trim_shape *shape;    /* the same as it is written, for the reference; the geometry's */
 } patch;
 
 typedef struct scene_geometry {
@@ -26,6 +27,8 @@ typedef struct scene_geometry {
     size_t point_count;
     patch *patches;
     size_t patch_count;
+    struct trim_shape **shapes; /* of the trims, see test/oracle/trim_reference.h */
+    size_t shape_count;
 } scene_geometry;
 
 typedef struct scene_object {

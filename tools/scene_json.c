@@ -38,6 +38,25 @@ static bool read_point(const json_reader *r, const json_node *n, double p[4])
     return !problem || json_wrong(r, n, "%s", problem);
 }
 
+/* The next trim of a geometry. */
+static bool read_trim(const json_reader *r, const json_node *n, scene_geometry *g, EPRegion *region)
+{
+    struct trim_shape **more = realloc(g->shapes, (g->shape_count + 1) * sizeof *more);
+    if (!more) return json_no_memory(r);
+    g->shapes = more;
+    if (!json_read_trim(r, n, region, &g->shapes[g->shape_count])) return false;
+    ++g->shape_count;
+    return true;
+}
+
+/* By the trim that was read last. */
+static void set_trim(scene_geometry *g, size_t patch, EPRegion region)
+{
+    epRetainRegion(region);
+    g->patches[patch].trim = region;
+    g->patches[patch].shape = g->shapes[g->shape_count - 1];
+}
+
 /* A patch is its list of points, or an object with the list and a trim. */
 static bool read_patch(const json_reader *r, const json_node *n, patch_kind kind, const unsigned degree[2],
                        scene_geometry *g)
@@ -61,9 +80,11 @@ static bool read_patch(const json_reader *r, const json_node *n, patch_kind kind
     }
     const json_node trim = json_member(n, "trim");
     if (!trim.json) return true;
-    EPRegion *region = &g->patches[g->patch_count - 1].trim;
-    *region = json_read_trim(r, &trim);
-    return *region != NULL;
+    EPRegion region;
+    if (!read_trim(r, &trim, g, &region)) return false;
+    set_trim(g, g->patch_count - 1, region);
+    epReleaseRegion(region);
+    return true;
 }
 
 static bool read_patches(const json_reader *r, const json_node *n, patch_kind kind, const unsigned degree[2],
@@ -162,13 +183,10 @@ static const geometry_type *find_type(const json_reader *r, const json_node *n)
 /* Trims the patches that have no trim of their own. */
 static bool trim_all(const json_reader *r, const json_node *n, scene_geometry *g)
 {
-    EPRegion region = json_read_trim(r, n);
-    if (!region) return false;
-    for (size_t i = 0; i < g->patch_count; ++i) {
-        if (g->patches[i].trim) continue;
-        epRetainRegion(region);
-        g->patches[i].trim = region;
-    }
+    EPRegion region;
+    if (!read_trim(r, n, g, &region)) return false;
+    for (size_t i = 0; i < g->patch_count; ++i)
+        if (!g->patches[i].trim) set_trim(g, i, region);
     epReleaseRegion(region);
     return true;
 }

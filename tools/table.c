@@ -21,6 +21,26 @@ void table_cell(table *t, const char *format, ...)
     va_end(list);
 }
 
+void table_figure(table *t, double x)
+{
+    table_cell(t, x < 0.0995 ? "%.3f" : x < 9.995 ? "%.2f" : x < 99.95 ? "%.1f" : "%.0f", x);
+}
+
+void table_bytes(table *t, size_t bytes)
+{
+    const double mb = (double)bytes / 1e6;
+    if (mb < 0.1) table_cell(t, "%.1f kB", 1e3 * mb);
+    else if (mb < 9.995) table_cell(t, "%.2f MB", mb);
+    else if (mb < 9995) table_cell(t, "%.0f MB", mb);
+    else table_cell(t, "%.1f GB", mb / 1e3);
+}
+
+void table_seconds(table *t, double s)
+{
+    if (s < 0.9995) table_cell(t, "%.*f ms", s < 0.00995 ? 1 : 0, 1e3 * s);
+    else table_cell(t, "%.1f s", s);
+}
+
 static unsigned length(const char *utf8)
 {
     unsigned n = 0;

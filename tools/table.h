@@ -5,6 +5,7 @@
 #define EPATCH_TABLE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 enum { TABLE_ROWS = 24, TABLE_COLUMNS = 16, TABLE_TEXT = 32 };
 
@@ -20,6 +21,10 @@ typedef struct table {
 void table_row(table *t);
 /* The next cell of the last row. */
 void table_cell(table *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* The same for a number, in three digits; a size; a time. */
+void table_figure(table *t, double x);
+void table_bytes(table *t, size_t bytes);
+void table_seconds(table *t, double s);
 void table_print(const table *t, bool markdown);
 
 #endif

@@ -2,8 +2,10 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * Rays go through in blocks. The first setup's answers are judged; another setup's only where they differ. */
+ * Rays go through in blocks. The first setup's answers are judged; another setup's only where they differ. Of the roots
+ * on a trimmed patch those remain that the reference of the trims keeps; near a trim's border they are doubtful. */
 #include "tools/verify.h"
+#include "test/oracle/trim_reference.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 
@@ -18,6 +20,7 @@ enum { BLOCK = 1 << 15 };
 /* A geometry, traceable with each instruction set of the setups, and the buffers for a block. */
 typedef struct bench {
     const verify_options *o;
+    const scene_geometry *geometry;
     oracle *oracle;
     world *worlds[VERIFY_SETUPS]; /* setups of the same instruction set share one */
     trace_ray *rays;
@@ -65,7 +68,7 @@ static void bench_close(bench *b)
 /* `one` is a scene of one untransformed geometry; it has to outlive the bench. */
 static bool bench_open(bench *b, const scene *one, const verify_options *o, double distance)
 {
-    *b = (bench){.o = o};
+    *b = (bench){.o = o, .geometry = one->geometries};
     b->oracle = oracle_of(one->geometries);
     b->rays = malloc(BLOCK * sizeof *b->rays);
     b->first = malloc(BLOCK * sizeof *b->first);
@@ -88,12 +91,48 @@ static bool bench_open(bench *b, const scene *one, const verify_options *o, doub
     return complete;
 }
 
+/* Where a root near a trim's border is a matter of rounding, in the domain: at least this; and what the judge allows in
+ * space, seen in the domain along a ray that meets the surface at this angle. */
+static const double trim_band = 2e-5;
+
+static double band_at(const bench *b, const oracle_root *r)
+{
+    double p[3], pu[3], pv[3], u2 = 0, v2 = 0, n2 = 0;
+    oracle_evaluate(b->oracle, r->patch, r->u, r->v, p, pu, pv);
+    for (int c = 0; c < 3; ++c) {
+        u2 += pu[c] * pu[c], v2 += pv[c] * pv[c];
+        n2 += r->normal[c] * r->normal[c];
+    }
+    /* the least that a step in the domain moves the point */
+    const double stretch = sqrt(n2 / fmax(u2, v2));
+    return fmax(trim_band, b->o->limits.distance * oracle_radius(b->oracle, r->patch) / (stretch * r->cosine));
+}
+
+static size_t find_roots(const bench *b, const trace_ray *ray, const double org[3], const double dir[3],
+                         oracle_root roots[ORACLE_ROOTS])
+{
+    const size_t count = oracle_intersect(b->oracle, org, dir, ray->tnear, ray->tfar, roots);
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        oracle_root r = roots[i];
+        const trim_shape *shape = b->geometry->patches[r.patch].shape;
+        if (shape) {
+            const double band = band_at(b, &r);
+            const shape_side side = band < 1 ? shape_at(shape, r.u, r.v, band) : SHAPE_NEAR;
+            if (side == SHAPE_OUT && !r.doubtful) continue;
+            r.doubtful = r.doubtful || side == SHAPE_NEAR;
+        }
+        roots[kept++] = r;
+    }
+    return kept;
+}
+
 static judge_verdict judge_hit(const bench *b, const trace_ray *ray, const world_hit *hit, judge_errors *errors)
 {
     double org[3], dir[3];
     for (int c = 0; c < 3; ++c) org[c] = ray->org[c], dir[c] = ray->dir[c];
     oracle_root roots[ORACLE_ROOTS];
-    const size_t count = oracle_intersect(b->oracle, org, dir, ray->tnear, ray->tfar, roots);
+    const size_t count = find_roots(b, ray, org, dir, roots);
     const judge_answer a = {hit->t, hit->u, hit->v, hit->primID, {hit->Ng[0], hit->Ng[1], hit->Ng[2]}};
     return judge(b->oracle, org, dir, roots, count, &a, &b->o->limits, errors);
 }
@@ -129,7 +168,7 @@ static void explain(const bench *b, size_t i, const verify_setup *s, const world
     double org[3], dir[3];
     for (int c = 0; c < 3; ++c) org[c] = ray->org[c], dir[c] = ray->dir[c];
     oracle_root roots[ORACLE_ROOTS];
-    const size_t count = oracle_intersect(b->oracle, org, dir, ray->tnear, ray->tfar, roots);
+    const size_t count = find_roots(b, ray, org, dir, roots);
     printf("%s, width %u, %s: org %.9g %.9g %.9g dir %.9g %.9g %.9g in (%.9g, %.9g)\n", what, s->width, s->isa,
            ray->org[0], ray->org[1], ray->org[2], ray->dir[0], ray->dir[1], ray->dir[2], ray->tnear, ray->tfar);
     printf("    answer       t %-18.9g patch %d u %.9g v %.9g Ng %.6g %.6g %.6g\n", hit->t, (int)hit->primID, hit->u,
@@ -168,7 +207,9 @@ static bool run_setup(bench *b, size_t setup, size_t count, verify_row *row)
         b->faulty[i] = 1;
         if (++b->explained > b->o->explain) continue;
         explain(b, i, s, &hits[i],
-                verdict >= JUDGE_MISSED ? judge_names[verdict] : disagrees ? "occlusion disagrees" : "other bits");
+                verdict >= JUDGE_MISSED ? judge_names[verdict]
+                : disagrees             ? "occlusion disagrees"
+                                        : "other bits");
     }
     return true;
 }
@@ -197,6 +238,22 @@ static bool run_block(bench *b, size_t count, aim_kind kind, verify_report *r)
     return keep_wrong(b, count, r);
 }
 
+/* Turns a ray that was aimed at some point of the geometry to one near a trim's border, if it meets a trimmed patch. */
+static void aim_at_trim(const bench *b, rng *r, trace_ray *ray)
+{
+    const uint32_t patch = rng_below(r, (unsigned)b->geometry->patch_count);
+    const trim_shape *shape = b->geometry->patches[patch].shape;
+    double uv[2];
+    if (!shape || !shape_border(shape, r, &uv[0], &uv[1])) return;
+    for (int c = 0; c < 2; ++c) uv[c] += rng_sign(r) * rng_scale(r, trim_band, 1e-2);
+    if (!(uv[0] >= 0 && uv[1] >= 0 && uv[0] <= 1 && uv[1] <= 1)) return;
+    if (oracle_is_triangle(b->oracle, patch) && uv[0] + uv[1] > 1) return;
+    double p[3];
+    oracle_evaluate(b->oracle, patch, uv[0], uv[1], p, NULL, NULL);
+    for (int c = 0; c < 3; ++c) ray->dir[c] = (float)(p[c] - ray->org[c]);
+}
+
+/* Half of the rays at borders go to trims, where there are any. */
 static void aim_block(bench *b, aim_kind kind, uint64_t geometry, size_t first, size_t count)
 {
 #pragma omp parallel for num_threads((int)trace_threads(b->o->threads))
@@ -204,6 +261,7 @@ static void aim_block(bench *b, aim_kind kind, uint64_t geometry, size_t first, 
         rng r = rng_split(b->o->seed, geometry * AIM_KINDS + kind, first + i);
         trace_ray *ray = &b->rays[i];
         aim(b->oracle, kind, &r, ray->org, ray->dir);
+        if (kind == AIM_BORDER && b->geometry->shape_count && rng_below(&r, 2)) aim_at_trim(b, &r, ray);
         ray->tnear = 0;
         ray->tfar = INFINITY;
     }
@@ -220,9 +278,20 @@ static scene alone(const scene *s, size_t g, scene_object *object)
     return one;
 }
 
+static bool prepare_shapes(const scene *s)
+{
+    bool done = true;
+    for (size_t g = 0; g < s->geometry_count; ++g)
+        for (size_t i = 0; i < s->geometries[g].shape_count; ++i)
+            done = done && shape_prepare(s->geometries[g].shapes[i]);
+    if (!done) report_no_memory(s->path);
+    return done;
+}
+
 bool verify_scene(const scene *s, const verify_options *o, verify_report *report)
 {
     *report = (verify_report){0};
+    if (!prepare_shapes(s)) return false;
     size_t geometries = 0;
     for (size_t g = 0; g < s->geometry_count; ++g) geometries += s->geometries[g].patch_count > 0;
     progress p;
@@ -252,6 +321,7 @@ bool verify_scene(const scene *s, const verify_options *o, verify_report *report
 bool verify_rays(const scene *s, const trace_ray *rays, size_t count, const verify_options *o, verify_report *report)
 {
     *report = (verify_report){0};
+    if (!prepare_shapes(s)) return false;
     bool done = true;
     for (size_t g = 0; g < s->geometry_count && done; ++g) {
         if (!s->geometries[g].patch_count) continue;

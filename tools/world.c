@@ -240,6 +240,7 @@ static bool extend_bounds(world *w, const scene_object *o)
     } else {
         epGetGeometryBounds(w->geometries[o->geometry], b);
     }
+    if (b[0] > b[3]) return true; /* trimmed away */
     for (int corner = 0; corner < 8; ++corner)
         for (int x = 0; x < 3; ++x) {
             const double *m = o->transform;

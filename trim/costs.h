@@ -32,6 +32,7 @@ typedef struct ep_trim_cost_row {
     const char *object;
     double ns[EP_TRIM_METHODS];
     size_t bytes[EP_TRIM_METHODS];
+    double paper; /* by the paper's formulas, in its own unit */
 } ep_trim_cost_row;
 enum { EP_TRIM_COST_ROWS = 12 };
 EPStatus ep_trim_measure_rows(ep_trim_cost_row rows[EP_TRIM_COST_ROWS], ep_message *m);

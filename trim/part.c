@@ -114,3 +114,18 @@ size_t ep_trim_part_pieces(const uint32_t *node, uint32_t *pieces)
     for (size_t i = 1; i < size; i += ep_node_size(node[i])) count += ep_trim_part_pieces(node + i, pieces + count);
     return count;
 }
+
+double ep_trim_part_length(const ep_trim *trim, const uint32_t *node, double most)
+{
+    const size_t size = ep_node_size(*node);
+    double sum = 0;
+    if (ep_node_kind_of(*node) == EP_NODE_LIST) {
+        for (size_t i = 1; i < size; ++i) {
+            const ep_piece *p = &trim->pieces[ep_entry_piece(node[i])];
+            sum += fmin(hypot(p->high[0] - p->low[0], p->high[1] - p->low[1]), most);
+        }
+        return sum;
+    }
+    for (size_t i = 1; i < size; i += ep_node_size(node[i])) sum += ep_trim_part_length(trim, node + i, most);
+    return sum;
+}

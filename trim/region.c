@@ -21,7 +21,8 @@ struct ep_region {
     ep_point2h *points;
     size_t node_count, curve_count, point_count, node_room, curve_room, point_room;
     double scale;
-    level stack[EP_REGION_DEPTH];
+    level *stack; /* what has been begun and not ended */
+    size_t stack_room;
     unsigned depth;
     bool complete;
     /* the polygon that is being written */
@@ -44,7 +45,14 @@ void ep_region_free(ep_region *r)
     ep_free(r->nodes);
     ep_free(r->curves);
     ep_free(r->points);
+    ep_free(r->stack);
     ep_free(r);
+}
+
+size_t ep_region_bytes(const ep_region *r)
+{
+    return sizeof *r + r->node_room * sizeof *r->nodes + r->curve_room * sizeof *r->curves +
+           r->point_room * sizeof *r->points + r->stack_room * sizeof *r->stack;
 }
 
 static EPStatus no_memory(ep_message *m)
@@ -98,6 +106,7 @@ EPStatus ep_region_begin(ep_region *r, ep_region_kind kind, const double transfo
     if (kind > EP_REGION_POLYGON) return ep_fail(m, EP_INVALID, "a %s has no parts", kind_name[kind]);
     EPStatus s = check_place(r, kind, m);
     if (s) return s;
+    if (!ep_reserve((void **)&r->stack, &r->stack_room, r->depth, 1, sizeof *r->stack)) return no_memory(m);
     level *l = &r->stack[r->depth];
     if ((s = find_transform(r, transform, l->transform, m))) return s;
     const bool part = r->depth && l[-1].kind == EP_REGION_LOOPS;
@@ -169,6 +178,8 @@ EPStatus ep_region_end(ep_region *r, ep_message *m)
         if (s) return s;
     } else if (l->kind == EP_REGION_DIFFERENCE && l->children != 2) {
         return ep_fail(m, EP_BAD_DATA, "a difference needs two regions, not %u", l->children);
+    } else if (!l->children && l->kind == EP_REGION_LOOPS) {
+        return ep_fail(m, EP_BAD_DATA, "loops of nothing");
     } else if (!l->children) {
         return ep_fail(m, EP_BAD_DATA, "%s %s of nothing", l->kind == EP_REGION_INTERSECTION ? "an" : "a",
                        kind_name[l->kind]);
@@ -179,6 +190,11 @@ EPStatus ep_region_end(ep_region *r, ep_message *m)
     node->next = (uint32_t)r->node_count;
     if (is_contour(l->kind)) node->curve_count = (uint32_t)(r->curve_count - node->curves);
     r->complete = !r->depth;
+    if (r->complete) {
+        ep_free(r->stack);
+        r->stack = NULL;
+        r->stack_room = 0;
+    }
     return EP_OK;
 }
 

@@ -40,6 +40,7 @@ enum { EP_REGION_DEPTH = 256 };
 
 ep_region *ep_region_new(void);
 void ep_region_free(ep_region *r);
+size_t ep_region_bytes(const ep_region *r);
 
 /* EP_INVALID: there is a region already, or it has no place here (a circle among a polygon's segments).
  * EP_BAD_DATA: a number or a knot vector has no meaning. */

@@ -84,6 +84,8 @@ void ep_trim_part_free(ep_trim_part *part);
 
 /* The indices of all pieces of a crossed part, part->pieces of them: pass part->words. Returns their number. */
 size_t ep_trim_part_pieces(const uint32_t *words, uint32_t *pieces);
+/* About how long they are together; no piece counts for more than `most`. */
+double ep_trim_part_length(const ep_trim *trim, const uint32_t *words, double most);
 
 /* Appends the part with what makes testing it fast: a strip that holds all curves in the domain, so that points beside
  * it are decided by two products; and cells, while there are more than a few pieces. `node` is where it begins. */
