@@ -369,7 +369,7 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     cell stack[MAX_STACK];
     ep_point net[MAX_POINTS];
     unsigned depth = 0;
-    bool found = false;
+    bool found = false, crossing = false;
     double best_s = 0, best_t = 0;
     stack[depth++] = (cell){{0, 0, 1, 0, 0, 1}, -INFINITY};
     for (unsigned cells = 0; depth; ++cells) {
@@ -399,6 +399,7 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         const double width = fmax(fabs(at.d.uu) + fabs(at.d.uv), fabs(at.d.vu) + fabs(at.d.vv));
         if (deviation(&p, &g) <= 0.125) v = newton(&p, net, &s, &r);
         const bool point = largest <= p.small && t.hi - t.lo <= p.small_t;
+        const bool certified = v == ROOT;
         if (v == UNDECIDED && (point || width <= 0x1p-50 || cells >= MAX_CELLS || depth + 4 > MAX_STACK)) v = ROOT;
         if (v == ROOT) {
             ep_jet jet;
@@ -407,6 +408,7 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
             if (hit > after && hit < before) {
                 before = hit;
                 found = true;
+                crossing = certified;
                 best_s = at.d.u0 + s * at.d.uu + r * at.d.uv;
                 best_t = at.d.v0 + s * at.d.vu + r * at.d.vv;
             }
@@ -439,6 +441,7 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     if (!found) return false;
     const ep_domain dom = leaf_domain(leaf);
     root->t = before;
+    root->crossing = crossing;
     root->u = fmin(fmax(dom.u0 + best_s * dom.uu + best_t * dom.uv, 0), 1);
     root->v = fmin(fmax(dom.v0 + best_s * dom.vu + best_t * dom.vv, 0), p.triangle ? 1 - root->u : 1);
     normal(patch, leaf, root->u, root->v, root->ng);
@@ -478,8 +481,8 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
         if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return EP_POLISHED_LOST;
     }
     if (!(step <= 0x1p-26)) return EP_POLISHED_LOST; /* a double root, nearly */
-    if (outside(triangle, u, v) > border) return EP_POLISHED_AWAY;
     *t = (float)(l.t0 + k);
+    if (outside(triangle, u, v) > border) return EP_POLISHED_AWAY;
     field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;
     field[3] = (float)fmin(fmax(u, 0), 1);
     field[4] = (float)fmin(fmax(v, 0), triangle ? 1 - field[3] : 1);

@@ -8,7 +8,8 @@
 
 typedef struct ep_root {
     double t, u, v;
-    double ng[3]; /* dP/du x dP/dv; at a collapsed edge its limit from inside */
+    double ng[3];  /* dP/du x dP/dv; at a collapsed edge its limit from inside */
+    bool crossing; /* certified to be the only root near it; otherwise a tangency or a pole, or the ray lies there */
 } ep_root;
 
 /* Where the ray is in the leaf's prism, within [*lo, *hi], which it narrows; false: nowhere. A leaf without a prism
@@ -18,8 +19,8 @@ bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], con
 
 typedef enum ep_polished { EP_POLISHED, EP_POLISHED_AWAY, EP_POLISHED_LOST } ep_polished;
 
-/* A root found in float, found again in double: *t and field = Ng, u, v are replaced. AWAY: it is outside the patch.
- * LOST: Newton leaves its neighbourhood of 2^-8. */
+/* A root found in float, found again in double: *t and field = Ng, u, v are replaced. AWAY: it is outside the patch,
+ * at *t. LOST: Newton leaves its neighbourhood of 2^-8. */
 ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5]);
 
 /* The nearest root with after < t < before; false: there is none. Call again with after = root->t for the next. */

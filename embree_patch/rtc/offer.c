@@ -1,0 +1,127 @@
+/* offer.c - see offer.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "embree_patch/rtc/offer.h"
+
+#include <string.h>
+
+void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one)
+{
+    const unsigned n = packet->n;
+    one->query = *packet;
+    one->query.n = 1;
+    one->query.ray = one->ray;
+    for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) one->ray[f] = packet->ray[f * n + lane];
+    if (!packet->intersect) return;
+    /* what ep_in_front looks at */
+    for (unsigned f = EP_RAY_FIELDS; f <= EP_RAY_FIELDS + HIT_GEOM; ++f) one->ray[f] = packet->ray[f * n + lane];
+}
+
+void ep_put_lane(const ep_lane *one, const ep_query *packet, unsigned lane)
+{
+    const unsigned n = packet->n, fields = packet->intersect ? EP_RAY_FIELDS + HIT_FIELDS : EP_RAY_FIELDS;
+    for (unsigned f = EP_RAY_TFAR; f < fields; ++f) packet->ray[f * n + lane] = one->ray[f];
+}
+
+bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
+{
+    const unsigned n = q->n;
+    const float t = c->t[lane], tfar = q->ray[EP_RAY_TFAR * n + lane];
+    if (!(q->ray[EP_RAY_TNEAR * n + lane] < t && t <= tfar)) return false;
+    if (t < tfar) return true;
+    if (!q->intersect) return false;
+    const float *hit = q->ray + EP_RAY_FIELDS * n;
+    uint32_t geom, prim;
+    memcpy(&geom, &hit[HIT_GEOM * n + lane], sizeof geom);
+    memcpy(&prim, &hit[HIT_PRIM * n + lane], sizeof prim);
+    if (geom != q->geom_id || prim < q->leaf->patch) return false;
+    if (prim > q->leaf->patch) return true;
+    static const unsigned fields[] = {EP_HIT_U, EP_HIT_V, EP_HIT_NG, EP_HIT_NG + 1, EP_HIT_NG + 2};
+    for (unsigned f = 0; f < EP_ARRAY_LEN(fields); ++f) {
+        const unsigned at = fields[f] * n + lane;
+        if (c->hit[at] != hit[at]) return c->hit[at] < hit[at];
+    }
+    return false;
+}
+
+ep_polished ep_polish_candidate(const ep_query *q, unsigned lane, ep_candidates *c)
+{
+    const unsigned n = q->n;
+    float org[3], dir[3], field[5];
+    for (unsigned k = 0; k < 3; ++k) {
+        org[k] = q->ray[(EP_RAY_ORG + k) * n + lane];
+        dir[k] = q->ray[(EP_RAY_DIR + k) * n + lane];
+    }
+    for (unsigned f = 0; f < 5; ++f) field[f] = c->hit[f * n + lane];
+    const ep_polished found = ep_polish(ep_patch_of(q), org, dir, &c->t[lane], field);
+    if (found == EP_POLISHED)
+        for (unsigned f = 0; f < 5; ++f) c->hit[f * n + lane] = field[f];
+    return found;
+}
+
+/* Those of the candidates in `mask` that a leaf which trim curves cross keeps. */
+static uint32_t inside(const ep_query *q, uint32_t mask, const ep_candidates *c)
+{
+    const ep_hierarchy *h = &q->geometry->hierarchy;
+    return ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim, q->n, c->hit + EP_HIT_U * q->n,
+                          c->hit + EP_HIT_V * q->n, mask);
+}
+
+static void fill_row(float *hit, unsigned row, unsigned n, unsigned value)
+{
+    float bits;
+    memcpy(&bits, &value, sizeof bits);
+    hit += row * n;
+    for (unsigned i = 0; i < n; ++i) hit[i] = bits;
+}
+
+static void fill_ids(const ep_query *q, float *hit)
+{
+    fill_row(hit, HIT_PRIM, q->n, q->leaf->patch);
+    fill_row(hit, HIT_GEOM, q->n, q->geom_id);
+    for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
+        fill_row(hit, HIT_INST + l, q->n, q->context->instID[l]);
+#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
+        fill_row(hit, HIT_INST + RTC_MAX_INSTANCE_LEVEL_COUNT + l, q->n, q->context->instPrimID[l]);
+#endif
+    }
+}
+
+static void filter(const ep_query *q, int *valid, ep_candidates *c)
+{
+    const struct RTCFilterFunctionNArguments args = {
+        valid, q->geometry, q->context, (struct RTCRayN *)q->ray, (struct RTCHitN *)c->hit, q->n};
+    fill_ids(q, c->hit);
+    if (q->intersect) ep_rtc_filter_intersection(q->intersect, &args);
+    else ep_rtc_filter_occlusion(q->occluded, &args);
+}
+
+uint32_t ep_offer(const ep_query *q, uint32_t mask, ep_candidates *c)
+{
+    const ep_kernels *kernels = q->geometry->kernels;
+    if (q->leaf->trim) mask = inside(q, mask, c);
+    if (!mask) return 0;
+    alignas(64) int valid[EP_PACKET];
+    alignas(64) float before[EP_PACKET];
+    float *tfar = q->ray + EP_RAY_TFAR * q->n;
+    if (q->n == 1) {
+        valid[0] = -1;
+        before[0] = *tfar;
+        *tfar = c->t[0];
+        filter(q, valid, c);
+        if (!valid[0]) {
+            *tfar = before[0];
+            return 0;
+        }
+        if (q->intersect) memcpy(q->ray + EP_RAY_FIELDS, c->hit, HIT_FIELDS * sizeof(float));
+        else *tfar = -INFINITY;
+        return 1;
+    }
+    kernels->offer(q->ray, q->n, mask, c->t, before, valid);
+    filter(q, valid, c);
+    const uint32_t accepted = kernels->settle(q->ray, q->n, mask, before, valid);
+    if (q->intersect) kernels->commit(q->ray, q->n, accepted, c->hit, HIT_FIELDS);
+    else
+        for (uint32_t rest = accepted; rest; rest &= rest - 1) tfar[__builtin_ctz(rest)] = -INFINITY;
+    return accepted;
+}

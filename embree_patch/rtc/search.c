@@ -1,0 +1,183 @@
+/* search.c - nearly tangent rays: the roots in a leaf, cell by cell, and by subdivision in double.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * What is found must not depend on what the ray has met before, or answers would differ with the order in which Embree
+ * visits leaves. So where a ray is cut into cells, and from where to where cells are subdivided, does not depend on
+ * tfar; it only decides which of the cells are looked at. */
+#include "embree_patch/rtc/search.h"
+
+/* Roots found so far, in the patch's parameters: several cells find the same one. What there is no room for may be
+ * offered twice. */
+typedef struct known_roots {
+    unsigned count;
+    struct {
+        float u, v, radius;
+    } root[16];
+} known_roots;
+
+/* How exact the parameters of a root found in double are: a float's last place. */
+static const float exact_radius = 0x1p-24f;
+
+/* One ray's. */
+typedef struct search {
+    ep_lane lane;
+    float ray[EP_RAY_FIELDS]; /* without tfar */
+    ep_candidates c;
+    known_roots known;
+    bool accepted;
+    EPCounters *counters;
+} search;
+
+static bool is_new(search *s, float radius)
+{
+    const float u = s->c.hit[EP_HIT_U], v = s->c.hit[EP_HIT_V];
+    known_roots *known = &s->known;
+    for (unsigned i = 0; i < known->count; ++i) {
+        const float near = known->root[i].radius + radius;
+        if (fabsf(u - known->root[i].u) <= near && fabsf(v - known->root[i].v) <= near) return false;
+    }
+    if (known->count < EP_ARRAY_LEN(known->root)) {
+        known->root[known->count].u = u;
+        known->root[known->count].v = v;
+        known->root[known->count++].radius = radius;
+    }
+    return true;
+}
+
+/* Offers the candidate, unless it is known, to within `radius` in u, v. */
+static void offer_root(search *s, float radius)
+{
+    if (is_new(s, radius) && ep_in_front(&s->lane.query, 0, &s->c)) s->accepted |= ep_offer(&s->lane.query, 1, &s->c);
+}
+
+static float tfar_of(const search *s)
+{
+    return s->lane.ray[EP_RAY_TFAR];
+}
+
+/* An occlusion query is answered by any hit. */
+static bool is_done(const search *s)
+{
+    return s->accepted && !s->lane.query.intersect;
+}
+
+/* A ray that lies in a surface has no end of roots there: those that are no certain crossings count as one within this
+ * part of the leaf's extent. */
+enum { TANGENT_PARTS = 16 };
+
+static double tangent_step(const search *s)
+{
+    const ep_hierarchy *h = &s->lane.query.geometry->hierarchy;
+    const ep_box *b = &h->boxes[s->lane.query.leaf - h->leaves];
+    double size = 0, speed = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double side = (double)b->upper[k] - (double)b->lower[k], d = (double)s->ray[EP_RAY_DIR + k];
+        size += side * side;
+        speed += d * d;
+    }
+    return sqrt(size / speed) / TANGENT_PARTS;
+}
+
+static void subdivide(search *s, double lo, double hi)
+{
+    const ep_query *q = &s->lane.query;
+    const float tnear = s->ray[EP_RAY_TNEAR];
+    /* half-way to the next float: what rounds to more than tnear */
+    lo = fmax(lo, 0.5 * ((double)tnear + (double)nextafterf(tnear, INFINITY)));
+    ep_root r;
+    ++s->counters->slow;
+    while (!is_done(s) && lo < hi &&
+           ep_solve(ep_patch_of(q), q->leaf, s->ray + EP_RAY_ORG, s->ray + EP_RAY_DIR, lo, hi, &r)) {
+        /* the next one is told apart from this by more than the rounding of both */
+        lo = r.t + (r.crossing ? 0x1p-40 * fabs(r.t) : tangent_step(s));
+        if ((double)tfar_of(s) < r.t && tfar_of(s) < (float)r.t) return;
+        s->c.t[0] = (float)r.t;
+        for (unsigned f = 0; f < 3; ++f) s->c.hit[EP_HIT_NG + f] = (float)r.ng[f];
+        s->c.hit[EP_HIT_U] = (float)r.u;
+        s->c.hit[EP_HIT_V] = (float)r.v;
+        offer_root(s, exact_radius);
+    }
+}
+
+static void subdivide_leaf(search *s)
+{
+    const ep_query *q = &s->lane.query;
+    double lo = -INFINITY, hi = INFINITY;
+    if (ep_clip(ep_patch_of(q), q->leaf, s->ray + EP_RAY_ORG, s->ray + EP_RAY_DIR, &lo, &hi)) subdivide(s, lo, hi);
+}
+
+/* Rounds of cells before subdivision. */
+enum { CELL_ROUNDS = 5 };
+
+static void take_cells(search *s, const ep_cells *cells, unsigned first, float from, float to, unsigned round);
+
+static void look_closer(search *s, float from, float to, unsigned round)
+{
+    const ep_query *q = &s->lane.query;
+    static const unsigned only = 0;
+    ep_cells cells;
+    q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, s->ray, 1, &only, 1, &from, &to, &cells);
+    take_cells(s, &cells, 0, from, to, round);
+}
+
+/* Takes what was found in cells[first] to cells[first + EP_CELLS - 1], which divide the part `from` to `to` of the
+ * ray's way. Undecided ones are cut into cells again. A cell answers for roots with a t of its own, or a neighbour's;
+ * where Newton goes on to another root when a vague one is polished, it has not found its own. */
+static void take_cells(search *s, const ep_cells *cells, unsigned first, float from, float to, unsigned round)
+{
+    const float length = (to - from) / EP_CELLS;
+    const float *d = s->lane.query.leaf->domain;
+    const float extent = fmaxf(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
+    for (unsigned k = 0; k < EP_CELLS && !is_done(s); ++k) {
+        const unsigned at = first + k;
+        const double t = (double)cells->middle[at], rounding = 0x1p-22 * fabs(t); /* cells are given in float */
+        const double reach = (double)cells->reach[at] + rounding;
+        bool open = (cells->open | cells->more) >> at & 1, lost = false;
+        if (cells->hit >> at & 1) {
+            s->c.t[0] = cells->t[at];
+            for (unsigned f = 0; f < 5; ++f) s->c.hit[f] = cells->fields[f * EP_PACKET + at];
+            const bool vague = cells->vague >> at & 1;
+            const ep_polished found = vague ? ep_polish_candidate(&s->lane.query, 0, &s->c) : EP_POLISHED;
+            lost = found == EP_POLISHED_LOST || (vague && !(fabs((double)s->c.t[0] - t) <= 3 * reach));
+            if (found == EP_POLISHED && !lost) offer_root(s, vague ? exact_radius : extent * cells->radius[at]);
+        }
+        if (!(open || lost) || t - 2 * reach > (double)nextafterf(tfar_of(s), INFINITY)) continue;
+        if (lost) subdivide(s, t - 2 * reach, t + 2 * reach);
+        else if (round + 1 == CELL_ROUNDS) subdivide(s, t - reach, t + reach);
+        else look_closer(s, from + length * (float)k, from + length * (float)(k + 1), round + 1);
+    }
+}
+
+uint32_t ep_search(const ep_query *q, uint32_t slow, EPCounters *counters)
+{
+    enum { RAYS = EP_PACKET / EP_CELLS };
+    static const float begin[RAYS] = {-1, -1, -1, -1}, end[RAYS] = {1, 1, 1, 1};
+    uint32_t accepted = 0;
+    /* where the parametrisation folds or collapses, cells cannot decide either */
+    const bool cut = q->leaf->height < INFINITY && q->leaf->bend_st < 2;
+    while (slow) {
+        unsigned lanes[RAYS], count = 0;
+        for (; slow && count < RAYS; slow &= slow - 1) lanes[count++] = (unsigned)__builtin_ctz(slow);
+        ep_cells cells;
+        if (cut)
+            q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, q->ray, q->n, lanes, count, begin, end,
+                                                        &cells);
+        for (unsigned r = 0; r < count; ++r) {
+            search s = {.known.count = 0, .accepted = false, .counters = counters};
+            ep_take_lane(q, lanes[r], &s.lane);
+            for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) s.ray[f] = s.lane.ray[f];
+            s.ray[EP_RAY_TFAR] = INFINITY;
+            if (cut && !(cells.hopeless >> r * EP_CELLS & 1)) {
+                ++counters->cells;
+                take_cells(&s, &cells, r * EP_CELLS, -1, 1, 0);
+            } else {
+                subdivide_leaf(&s);
+            }
+            if (!s.accepted) continue;
+            accepted |= 1u << lanes[r];
+            ep_put_lane(&s.lane, q, lanes[r]);
+        }
+    }
+    return accepted;
+}

@@ -1,0 +1,13 @@
+/* search.h - rays that a kernel leaves undecided.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef EP_SEARCH_H
+#define EP_SEARCH_H
+
+#include "embree_patch/rtc/offer.h"
+
+/* Solves the lanes in `slow` cell by cell along their way through the leaf's prism, and by subdivision in double where
+ * that does not do either. Returns the lanes that have a new hit. */
+uint32_t ep_search(const ep_query *q, uint32_t slow, EPCounters *counters);
+
+#endif
