@@ -478,8 +478,8 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
         if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return EP_POLISHED_LOST;
     }
     if (!(step <= 0x1p-26)) return EP_POLISHED_LOST; /* a double root, nearly */
-    if (outside(triangle, u, v) > border) return EP_POLISHED_AWAY;
     *t = (float)(l.t0 + k);
+    if (outside(triangle, u, v) > border) return EP_POLISHED_AWAY;
     field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;
     field[3] = (float)fmin(fmax(u, 0), 1);
     field[4] = (float)fmin(fmax(v, 0), triangle ? 1 - field[3] : 1);

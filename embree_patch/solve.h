@@ -18,8 +18,8 @@ bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], con
 
 typedef enum ep_polished { EP_POLISHED, EP_POLISHED_AWAY, EP_POLISHED_LOST } ep_polished;
 
-/* A root found in float, found again in double: *t and field = Ng, u, v are replaced. AWAY: it is outside the patch.
- * LOST: Newton leaves its neighbourhood of 2^-8. */
+/* A root found in float, found again in double: *t and field = Ng, u, v are replaced. AWAY: it is outside the patch,
+ * at *t. LOST: Newton leaves its neighbourhood of 2^-8. */
 ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5]);
 
 /* The nearest root with after < t < before; false: there is none. Call again with after = root->t for the next. */

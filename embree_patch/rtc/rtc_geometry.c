@@ -197,53 +197,94 @@ static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray
     return false;
 }
 
-/* The root offered last, in leaf coordinates: neighbouring cells find the same one. */
-typedef struct last_root {
-    bool any;
-    float s, r, radius;
-} last_root;
+/* Roots found so far, in the patch's parameters: several cells find the same one. What there is no room for may be
+ * offered twice. */
+typedef struct known_roots {
+    unsigned count;
+    struct {
+        float u, v, radius;
+    } root[16];
+} known_roots;
+
+/* How exact the parameters of a polished root are. */
+static const float polished_radius = 0x1p-22f;
+
+/* Adds the candidate unless it is known. */
+static bool is_new(const query *q, unsigned lane, const candidates *c, float radius, known_roots *known)
+{
+    const float u = c->hit[EP_HIT_U * q->n + lane], v = c->hit[EP_HIT_V * q->n + lane];
+    for (unsigned i = 0; i < known->count; ++i) {
+        const float near = known->root[i].radius + radius;
+        if (fabsf(u - known->root[i].u) <= near && fabsf(v - known->root[i].v) <= near) return false;
+    }
+    if (known->count < EP_ARRAY_LEN(known->root)) {
+        known->root[known->count].u = u;
+        known->root[known->count].v = v;
+        known->root[known->count++].radius = radius;
+    }
+    return true;
+}
+
+/* Finds the vague roots of cells again. A cell answers for roots with a t of its own, so what ends elsewhere has not
+ * found it: such cells are returned, and those whose root is outside the patch are hits no more. */
+static uint32_t polish_cells(const query *q, unsigned lane, double lo, double length, ep_cells *cells, candidates *c)
+{
+    uint32_t lost = 0;
+    for (uint32_t rest = cells->hit & cells->vague; rest; rest &= rest - 1) {
+        const unsigned k = (unsigned)__builtin_ctz(rest);
+        float field[5];
+        for (unsigned f = 0; f < 5; ++f) field[f] = cells->fields[f * EP_PACKET + k];
+        put_root(q, lane, cells->t[k], field, c);
+        const ep_polished found = polish(q, lane, c);
+        const double t = c->t[lane], from = lo + length * (k - 1.0), to = lo + length * (k + 2.0);
+        if (found == EP_POLISHED_LOST || !(from <= t && t <= to)) lost |= 1u << k;
+        if (found != EP_POLISHED || lost >> k & 1) cells->hit &= ~(1u << k);
+        cells->t[k] = c->t[lane];
+        for (unsigned f = 0; f < 5; ++f) cells->fields[f * EP_PACKET + k] = c->hit[f * q->n + lane];
+    }
+    return lost;
+}
 
 /* Rounds of cells before subdivision; each looks sixteen times closer. */
 enum { CELL_ROUNDS = 5 };
 
-/* The ray between lo and hi, cell by cell in order of t; a run of undecided cells is cut into cells again. */
+/* The ray between lo and hi, cell by cell; a run of undecided cells is cut into cells again. */
 static bool solve_by_cells(const query *q, unsigned lane, const float *ray, double lo, double hi, unsigned round,
-                           last_root *last, candidates *c, EPCounters *counters)
+                           known_roots *known, candidates *c, EPCounters *counters)
 {
     ep_cells cells;
     q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, ray, lo, hi, &cells);
     const double length = (hi - lo) / EP_PACKET;
-    for (unsigned k = 0; k < EP_PACKET; ++k) {
-        if (cells.open >> k & 1) {
+    const float *d = q->leaf->domain;
+    const float extent = fmaxf(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
+    const uint32_t lost = polish_cells(q, lane, lo, length, &cells, c), open = cells.open | lost;
+    bool accepted = false;
+    for (unsigned k = 0; k < EP_PACKET && !(accepted && q->occluded); ++k) {
+        if (open >> k & 1) {
             unsigned end = k + 1;
-            while (end < EP_PACKET && cells.open >> end & 1) ++end;
+            bool last = round + 1 == CELL_ROUNDS;
+            while (end < EP_PACKET && open >> end & 1) ++end;
+            last = last || end - k == EP_PACKET || lost >> k & ((1u << (end - k)) - 1);
             const double from = lo + length * k, to = lo + length * end;
-            if (round + 1 < CELL_ROUNDS && end - k < EP_PACKET) {
-                if (solve_by_cells(q, lane, ray, from, to, round + 1, last, c, counters)) return true;
-            } else {
-                ++counters->slow;
-                if (solve_by_subdivision(q, lane, ray, from, to, c)) return true;
-            }
             k = end - 1;
+            /* what it may find is at most a cell in front of it */
+            if (from - length > nextafterf(q->ray[EP_RAY_TFAR * q->n + lane], INFINITY)) continue;
+            if (last) {
+                ++counters->slow;
+                accepted |= solve_by_subdivision(q, lane, ray, from - 0x1p-8 * length, to + 0x1p-8 * length, c);
+            } else {
+                accepted |= solve_by_cells(q, lane, ray, from, to, round + 1, known, c, counters);
+            }
         } else if (cells.hit >> k & 1) {
-            const float near = last->radius + cells.radius[k];
-            if (last->any && fabsf(cells.s[k] - last->s) <= near && fabsf(cells.r[k] - last->r) <= near) continue;
-            *last = (last_root){true, cells.s[k], cells.r[k], cells.radius[k]};
             float field[5];
             for (unsigned f = 0; f < 5; ++f) field[f] = cells.fields[f * EP_PACKET + k];
             put_root(q, lane, cells.t[k], field, c);
-            const ep_polished found = cells.vague >> k & 1 ? polish(q, lane, c) : EP_POLISHED;
-            if (found == EP_POLISHED && in_front(q, lane, c) && is_inside(q, lane, c) && offer(q, 1u << lane, c))
-                return true;
-            if (found == EP_POLISHED_LOST) {
-                /* it is near the cell, not necessarily in it */
-                ++counters->slow;
-                if (solve_by_subdivision(q, lane, ray, lo + length * (k - 1.0), lo + length * (k + 2.0), c))
-                    return true;
-            }
+            const float radius = cells.vague >> k & 1 ? polished_radius : extent * cells.radius[k];
+            if (is_new(q, lane, c, radius, known))
+                accepted |= in_front(q, lane, c) && is_inside(q, lane, c) && offer(q, 1u << lane, c);
         }
     }
-    return false;
+    return accepted;
 }
 
 /* A ray that the certificate of the whole leaf did not decide: cell by cell along its way through the prism, and by
@@ -259,9 +300,9 @@ static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters 
     if (!(lo <= nextafterf(tfar, INFINITY) && hi >= tnear)) return false;
     /* where the parametrisation folds or collapses, cells cannot decide either */
     if (q->leaf->height < INFINITY && q->leaf->bend_st < 2) {
-        last_root last = {0};
+        known_roots known = {0};
         ++counters->cells;
-        return solve_by_cells(q, lane, ray, lo, hi, 0, &last, c, counters);
+        return solve_by_cells(q, lane, ray, lo, hi, 0, &known, c, counters);
     }
     ++counters->slow;
     return solve_by_subdivision(q, lane, ray, lo, hi, c);
