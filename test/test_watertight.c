@@ -10,7 +10,7 @@
 
 #include <stdlib.h>
 
-enum { EDGE_RAYS = 200000 };
+enum { EDGE_RAYS = 200000, ALONG_RAYS = 200000 };
 static uint64_t closed_rays = 250000, closed_seed = 1;
 
 static void cross(const double a[3], const double b[3], double r[3])
@@ -148,6 +148,46 @@ static void once_escaped(void **state)
     }
 }
 
+/* From within the torus, nearly along its surface at borders of its patches: on its inner side such a ray is inside
+ * before and behind the border. */
+static void along_the_torus(void **state)
+{
+    (void)state;
+    size_t count, escaped = 0, asked = 0;
+    test_patch *patches = read_model("torus.json", &count);
+    oracle *o = new_oracle(patches, count);
+    test_scene s = new_scene(patches, count, NULL);
+#pragma omp parallel for schedule(dynamic, 1000) reduction(+ : escaped, asked)
+    for (uint64_t k = 0; k < ALONG_RAYS; ++k) {
+        rng r = rng_split(3, 0, k);
+        double u, v, x[3], xu[3], xv[3], n[3];
+        const uint32_t at = rng_below(&r, (unsigned)count);
+        aim_border(o, at, &r, &u, &v);
+        oracle_evaluate(o, at, u, v, x, xu, xv);
+        cross(xu, xv, n);
+        const double angle = rng_in(&r, 0, 6.283185307179586), away = rng_in(&r, 0.05, 0.5);
+        const double lift = rng_sign(&r) * rng_scale(&r, 1e-7, 1e-3);
+        const double lu = sqrt(dot(xu, xu)), lv = sqrt(dot(xv, xv)), ln = sqrt(dot(n, n));
+        float org[3], dir[3];
+        for (int c = 0; c < 3; ++c) {
+            const double d = cos(angle) * xu[c] / lu + sin(angle) * xv[c] / lv + lift * n[c] / ln;
+            org[c] = (float)(x[c] - away * d);
+            dir[c] = (float)(x[c] - org[c]);
+        }
+        const double axis = hypot(org[0], org[1]) - 1;
+        if (!(hypot(axis, org[2]) < 0.4 - 1e-6)) continue;
+        ++asked;
+        if (trace_one(s.scene, org, dir, 0, INFINITY).t < INFINITY) continue;
+#pragma omp critical
+        if (++escaped <= 5) print_error("%s escapes\n", ray_text(org, dir));
+    }
+    assert_true(asked > ALONG_RAYS / 10);
+    assert_int_equal(escaped, 0);
+    free_scene(&s);
+    oracle_free(o);
+    free(patches);
+}
+
 /* Side k of a patch: parameters at x along it, and which derivative leads inwards. */
 static void side_point(const test_patch *p, unsigned side, double x, double at[3], double along[3], double in[3])
 {
@@ -248,8 +288,9 @@ int main(int argc, char **argv)
     if (argc > 1) closed_rays = strtoull(argv[1], NULL, 10);
     if (argc > 2) closed_seed = strtoull(argv[2], NULL, 10);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sphere), cmocka_unit_test(sphere_of_triangles), cmocka_unit_test(torus),
-        cmocka_unit_test(knot),   cmocka_unit_test(once_escaped),        cmocka_unit_test(shared_edges),
+        cmocka_unit_test(sphere),       cmocka_unit_test(sphere_of_triangles), cmocka_unit_test(torus),
+        cmocka_unit_test(knot),         cmocka_unit_test(once_escaped),        cmocka_unit_test(along_the_torus),
+        cmocka_unit_test(shared_edges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
