@@ -176,27 +176,6 @@ static void put_root(const query *q, unsigned lane, float t, const float field[5
     for (unsigned f = 0; f < 5; ++f) c->hit[f * q->n + lane] = field[f];
 }
 
-/* Which of several roots that floats cannot tell apart is found depends on where the search goes, so it must not go by
- * what the ray has met before. */
-static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray, double lo, double hi, candidates *c)
-{
-    const float tfar = q->ray[EP_RAY_TFAR * q->n + lane];
-    ep_root r;
-    while (ep_solve(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, lo, hi, &r)) {
-        /* the next one is told apart from this by more than the rounding of both */
-        lo = r.t + 0x1p-40 * fabs(r.t);
-        const float t = (float)r.t;
-        const float field[5] = {(float)r.ng[0], (float)r.ng[1], (float)r.ng[2], (float)r.u, (float)r.v};
-        put_root(q, lane, t, field, c);
-        if (in_front(q, lane, c)) {
-            if (is_inside(q, lane, c) && offer(q, 1u << lane, c)) return true;
-        } else if (t >= tfar) {
-            return false; /* and so are all others */
-        }
-    }
-    return false;
-}
-
 /* Roots found so far, in the patch's parameters: several cells find the same one. What there is no room for may be
  * offered twice. */
 typedef struct known_roots {
@@ -206,8 +185,8 @@ typedef struct known_roots {
     } root[16];
 } known_roots;
 
-/* How exact the parameters of a polished root are. */
-static const float polished_radius = 0x1p-22f;
+/* How exact the parameters of a root found in double are: a float's last place. */
+static const float exact_radius = 0x1p-24f;
 
 /* Adds the candidate unless it is known. */
 static bool is_new(const query *q, unsigned lane, const candidates *c, float radius, known_roots *known)
@@ -223,6 +202,29 @@ static bool is_new(const query *q, unsigned lane, const candidates *c, float rad
         known->root[known->count++].radius = radius;
     }
     return true;
+}
+
+/* Which of several roots that floats cannot tell apart is found depends on where the search goes, so it must not go by
+ * what the ray has met before. */
+static bool solve_by_subdivision(const query *q, unsigned lane, const float *ray, double lo, double hi,
+                                 known_roots *known, candidates *c)
+{
+    const float tfar = q->ray[EP_RAY_TFAR * q->n + lane];
+    ep_root r;
+    while (ep_solve(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, lo, hi, &r)) {
+        /* the next one is told apart from this by more than the rounding of both */
+        lo = r.t + 0x1p-40 * fabs(r.t);
+        const float t = (float)r.t;
+        const float field[5] = {(float)r.ng[0], (float)r.ng[1], (float)r.ng[2], (float)r.u, (float)r.v};
+        put_root(q, lane, t, field, c);
+        if (!is_new(q, lane, c, exact_radius, known)) continue;
+        if (in_front(q, lane, c)) {
+            if (is_inside(q, lane, c) && offer(q, 1u << lane, c)) return true;
+        } else if (t >= tfar) {
+            return false; /* and so are all others */
+        }
+    }
+    return false;
 }
 
 /* Finds the vague roots of cells again. A cell answers for roots with a t of its own, so what ends elsewhere has not
@@ -271,7 +273,7 @@ static bool solve_by_cells(const query *q, unsigned lane, const float *ray, doub
             if (from - length > nextafterf(q->ray[EP_RAY_TFAR * q->n + lane], INFINITY)) continue;
             if (last) {
                 ++counters->slow;
-                accepted |= solve_by_subdivision(q, lane, ray, from - 0x1p-8 * length, to + 0x1p-8 * length, c);
+                accepted |= solve_by_subdivision(q, lane, ray, from - 0x1p-8 * length, to + 0x1p-8 * length, known, c);
             } else {
                 accepted |= solve_by_cells(q, lane, ray, from, to, round + 1, known, c, counters);
             }
@@ -279,7 +281,7 @@ static bool solve_by_cells(const query *q, unsigned lane, const float *ray, doub
             float field[5];
             for (unsigned f = 0; f < 5; ++f) field[f] = cells.fields[f * EP_PACKET + k];
             put_root(q, lane, cells.t[k], field, c);
-            const float radius = cells.vague >> k & 1 ? polished_radius : extent * cells.radius[k];
+            const float radius = cells.vague >> k & 1 ? exact_radius : extent * cells.radius[k];
             if (is_new(q, lane, c, radius, known))
                 accepted |= in_front(q, lane, c) && is_inside(q, lane, c) && offer(q, 1u << lane, c);
         }
@@ -299,13 +301,13 @@ static bool solve_lane(const query *q, unsigned lane, candidates *c, EPCounters 
     if (!ep_clip(patch_of(q), q->leaf, ray + EP_RAY_ORG, ray + EP_RAY_DIR, &lo, &hi)) return false;
     if (!(lo <= nextafterf(tfar, INFINITY) && hi >= tnear)) return false;
     /* where the parametrisation folds or collapses, cells cannot decide either */
+    known_roots known = {0};
     if (q->leaf->height < INFINITY && q->leaf->bend_st < 2) {
-        known_roots known = {0};
         ++counters->cells;
         return solve_by_cells(q, lane, ray, lo, hi, 0, &known, c, counters);
     }
     ++counters->slow;
-    return solve_by_subdivision(q, lane, ray, lo, hi, c);
+    return solve_by_subdivision(q, lane, ray, lo, hi, &known, c);
 }
 
 /* One or two rays of a packet, each by the single-ray kernel, which is cheaper then; the bits are the same. */
