@@ -266,7 +266,7 @@ static bool solve_by_cells(const query *q, unsigned lane, const float *ray, doub
             unsigned end = k + 1;
             bool last = round + 1 == CELL_ROUNDS;
             while (end < EP_PACKET && open >> end & 1) ++end;
-            last = last || end - k == EP_PACKET || lost >> k & ((1u << (end - k)) - 1);
+            last = last || end - k == EP_PACKET || (lost >> k & ((1u << (end - k)) - 1)) != 0;
             const double from = lo + length * k, to = lo + length * end;
             k = end - 1;
             /* what it may find is at most a cell in front of it */
