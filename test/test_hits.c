@@ -39,7 +39,7 @@ static void bilinear_and_flat(void **state)
 static void degenerate(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){8, 24, 320, true, true, {4, 2}, {STYLE_DEGENERATE}, 1, 1, {0, 0, 0}, 0});
+    check_hits(&(hits_case){8, 96, 160, true, true, {4, 2}, {STYLE_DEGENERATE}, 1, 1, {0, 0, 0}, 0});
 }
 
 static void folds_of_high_degree(void **state)
