@@ -20,18 +20,23 @@ static uint32_t settle(const ep_query *q, ep_outcome *o, ep_candidates *c)
     return front;
 }
 
-/* All rays of a packet of n: the kernel answers for most, the others are looked at more closely. */
-static uint32_t run_packet(const ep_query *q, uint32_t active, EPCounters *counters)
+/* What the kernel found is offered, and what it left undecided looked at more closely. Not inline: most visits end with
+ * a kernel that has found nothing. Returns the lanes that have a new hit. */
+static __attribute__((noinline)) uint32_t answer(const ep_query *q, ep_outcome o, ep_candidates *c,
+                                                 EPCounters *counters)
 {
-    ep_candidates c;
-    const ep_kernels *kernels = q->geometry->kernels;
-    ep_outcome o = q->n == 1
-                       ? kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, 1, 1, c.t, c.hit, counters)
-                       : kernels->packet[q->leaf->shape](q->leaf, q->net, q->ray, q->n, active, c.t, c.hit, counters);
-    const uint32_t front = o.tie | o.vague ? settle(q, &o, &c) : o.hit;
-    uint32_t accepted = front ? ep_offer(q, front, &c) : 0;
+    const uint32_t front = o.tie | o.vague ? settle(q, &o, c) : o.hit;
+    uint32_t accepted = front ? ep_offer(q, front, c) : 0;
     if (o.slow) accepted |= ep_search(q, o.slow, counters);
     return accepted;
+}
+
+static inline uint32_t run_single(const ep_query *q, EPCounters *counters)
+{
+    ep_candidates c;
+    const ep_outcome o =
+        q->geometry->kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, 1, 1, c.t, c.hit, counters);
+    return o.hit | o.slow ? answer(q, o, &c, counters) : 0;
 }
 
 /* A packet's few active rays, one at a time: for up to two that is cheaper, and gives the same bits. */
@@ -42,18 +47,26 @@ static uint32_t run_sparse(const ep_query *q, uint32_t active, EPCounters *count
         const unsigned lane = (unsigned)__builtin_ctz(active);
         ep_lane one;
         ep_take_lane(q, lane, &one);
-        if (!run_packet(&one.query, 1, counters)) continue;
+        if (!run_single(&one.query, counters)) continue;
         accepted |= 1u << lane;
         ep_put_lane(&one, q, lane);
     }
     return accepted;
 }
 
-static void run(const ep_query *q, int *valid)
+static uint32_t run_packet(const ep_query *q, uint32_t active, EPCounters *counters)
+{
+    ep_candidates c;
+    const ep_outcome o =
+        q->geometry->kernels->packet[q->leaf->shape](q->leaf, q->net, q->ray, q->n, active, c.t, c.hit, counters);
+    return o.hit | o.slow ? answer(q, o, &c, counters) : 0;
+}
+
+static inline void run(const ep_query *q, int *valid)
 {
     EPCounters *counters = ep_counters();
     if (q->n == 1) {
-        if (valid[0]) ep_rtc_report(valid, 0, run_packet(q, 1, counters));
+        if (valid[0]) ep_rtc_report(valid, 0, run_single(q, counters));
         return;
     }
     const uint32_t active = q->geometry->kernels->active(valid, q->n);
