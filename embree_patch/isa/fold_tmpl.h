@@ -17,12 +17,13 @@
  *
  * because |l| <= e + Q. That is no tau at all, and the ray is certain to miss; one interval; or two, and then
  *
- *     |d - (l + q2)| <= |a| h (1 + |A^-1| bend_st (e + Q)) + |A^-1| (warp_st e²/2 + noise_st + bend_st Q (e + 3/2 Q))
+ *     |d - (l + q2)| <= |a| h (1 + |A^-1| bend_st (e + Q + |a| h/2))
+ *                       + |A^-1| (warp_st e²/2 + noise_st + bend_st Q (e + 3/2 Q))
  *
- * with tau, q2 = -A^-1 H_st l²/2 at the interval's middle, and h half its length; or without q2 and by Q + |a| h, if
- * that is less. Intervals end where l leaves the domain by more than Q, and with the ray's cell. P goes with the cube
- * of e as leaves go, h with P over the distance of the two roots: neighbourhoods shrink faster than they would by
- * bisection, even for a tangent ray, down to the noise. */
+ * with tau, q2 = -A^-1 H_st l²/2 at the interval's middle, and h half its length: l there is within |a| h of the
+ * root's. Or without q2 and by Q + |a| h, if that is less. Intervals end where l leaves the domain by more than Q, and
+ * with the ray's cell. P goes with the cube of e as leaves go, h with P over the distance of the two roots:
+ * neighbourhoods shrink faster than they would by bisection, even for a tangent ray, down to the noise. */
 
 /* Bounds are computed in the arithmetic whose rounding they bound: this much is added. */
 #define EP_OUTWARD (1 + 0x1p-10f)
@@ -63,12 +64,12 @@ typedef struct w_near {
 
 /* What the neighbourhoods of both intervals share. */
 typedef struct w_folded {
-    w_f s, t, e;       /* the old neighbourhood     */
-    w_f from, to;      /* all of tau                */
-    w_f a[2], d0[2];   /* l                         */
-    w_f bend[2][3];    /* A^-1 H_st                 */
-    w_f curve;         /* of q2: 1/2, or 0 where l alone is closer */
-    w_f per_tau, rest; /* radius = per_tau h + rest */
+    w_f s, t, e;                   /* the old neighbourhood     */
+    w_f from, to;                  /* all of tau                */
+    w_f a[2], d0[2];               /* l                         */
+    w_f bend[2][3];                /* A^-1 H_st                 */
+    w_f curve;                     /* of q2: 1/2, or 0 where l alone is closer */
+    w_f per_square, per_tau, rest; /* radius = per_square h² + per_tau h + rest */
 } w_folded;
 
 EP_INLINE w_near w_unfold(const w_folded *f, int triangle, w_f from, w_f to)
@@ -83,7 +84,7 @@ EP_INLINE w_near w_unfold(const w_folded *f, int triangle, w_f from, w_f to)
     const w_f d_t = w_fnma(f->curve, w_form(f->bend[1], l, l), l[1]);
     n.s = f->s + d_s;
     n.t = f->t + d_t;
-    n.radius = w_fma(f->per_tau, h, f->rest);
+    n.radius = w_fma(w_fma(f->per_square, h, f->per_tau), h, f->rest);
     if (triangle) n.radius = n.radius + n.radius;
     n.none = w_or(w_lt(to, from), w_or(w_lt(n.radius, w_outside(triangle, n.s, n.t)),
                                        w_lt(f->e + n.radius, w_max(w_abs(d_s), w_abs(d_t)))));
@@ -144,6 +145,7 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, int triangle, const w_jet
     f.curve = w_select(w_lt(rest, q), half, zero);
     const w_f reach = f.e + q;
     f.per_tau = a * w_fma(i * bend_st, reach, one) * outward;
+    f.per_square = half * outward * (i * bend_st) * (a * a);
     /* what rounding adds to c0 + c1 tau + c2 tau²/2: each of a dozen terms is below one of these */
     const w_f along = d0 + reach, l = along + d0;
     const w_f terms = w_fma(curved * l, l, w_abs(j->at.z)) +
