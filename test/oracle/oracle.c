@@ -417,9 +417,9 @@ static bool may_touch(const net_point *net, size_t count, const slopes *d, doubl
     return holds_zero(hull(net, count, a, b), slack) && holds_zero(hull(net, count, -b, a), slack);
 }
 
-/* At most one root: the derivative deviates from its middle J by less than half of it, |J^-1 (DF - J)| <= 1/2. Then
- * J^-1 F is nearly the identity, and its hull says well whether there is a root at all. */
-static bool one_at_most(const slopes *d, double inverse[2][2])
+/* At most one root: the derivative deviates from its middle J by less than half of it, |J^-1 (DF - J)| <= 1/2, its
+ * rounding `noise` included. Then J^-1 F is nearly the identity, and its hull says well whether there is a root. */
+static bool one_at_most(const slopes *d, double noise, double inverse[2][2])
 {
     const double det = d->mid[0][0] * d->mid[1][1] - d->mid[0][1] * d->mid[1][0];
     if (det == 0) return false;
@@ -427,7 +427,7 @@ static bool one_at_most(const slopes *d, double inverse[2][2])
     inverse[1][0] = -d->mid[1][0] / det, inverse[1][1] = d->mid[0][0] / det;
     for (int k = 0; k < 2; ++k) {
         double sum = 0;
-        for (int f = 0; f < 2; ++f) sum += fabs(inverse[k][f]) * (d->half[f][0] + d->half[f][1]);
+        for (int f = 0; f < 2; ++f) sum += fabs(inverse[k][f]) * (d->half[f][0] + d->half[f][1] + noise);
         if (!(sum <= 0.5)) return false;
     }
     return true;
@@ -468,7 +468,7 @@ static void search(query *q, const net_point *net, const net_part *part)
     const double noise = rounding * w * q->patch->radius;
 
     if (!may_touch(net, count, &d, w * ORACLE_NEAR * q->patch->radius)) return;
-    if (one_at_most(&d, inverse)) {
+    if (one_at_most(&d, 2 * (s.m + s.n) * noise, inverse)) {
         double a, b, t;
         if (!may_touch(net, count, &d, noise)) return;
         for (int k = 0; k < 2; ++k) {
