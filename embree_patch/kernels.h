@@ -36,17 +36,16 @@ typedef ep_outcome ep_packet_kernel(const ep_leaf *leaf, const float *net, const
 
 /* What became of cell c of ray r: element r EP_CELLS + c; cells in order of t. */
 typedef struct ep_cells {
-    alignas(64) float t[EP_PACKET];   /* the root's                                              */
-    float middle[EP_PACKET];          /* the cell's middle ...                                   */
-    float reach[EP_PACKET];           /* ... and half its length, in t                           */
-    float s[EP_PACKET], r[EP_PACKET]; /* the root in leaf coordinates ...                        */
-    float radius[EP_PACKET];          /* ... and how accurate it is                              */
-    float fields[5 * EP_PACKET];      /* Ng, u, v as in a hit packet of 16                       */
-    uint32_t hit;                     /* has a root near this cell, the first of it               */
-    uint32_t vague;                   /* those that ep_polish has to find again                  */
-    uint32_t more;                    /* those that may have another root, farther on            */
-    uint32_t open;                    /* undecided                                               */
-    uint32_t hopeless;                /* of a ray that no cells would decide                     */
+    alignas(64) float t[EP_PACKET]; /* the root's                                              */
+    float middle[EP_PACKET];        /* the cell's middle ...                                   */
+    float reach[EP_PACKET];         /* ... and half its length, in t                           */
+    float radius[EP_PACKET];        /* how accurate it is, in leaf coordinates                 */
+    float fields[5 * EP_PACKET];    /* Ng, u, v as in a hit packet of 16                       */
+    uint32_t hit;                   /* has a root near this cell, the first of it              */
+    uint32_t vague;                 /* those that ep_polish has to find again                  */
+    uint32_t more;                  /* those that may have another root, farther on            */
+    uint32_t open;                  /* undecided                                               */
+    uint32_t hopeless;              /* of a ray that no cells would decide                     */
 } ep_cells;
 
 /* Rays lanes[0] to lanes[count - 1] of a packet of n. The cells of the r-th divide the part from[r] to to[r] of its way

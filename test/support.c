@@ -200,17 +200,29 @@ void set_ray(test_packet *p, unsigned n, unsigned lane, const float org[3], cons
     p->valid[lane] = -1;
 }
 
+judge_answer answer_of(const test_packet *p, unsigned n, unsigned lane)
+{
+    if (get_id(p, n, HIT_GEOM, lane) == RTC_INVALID_GEOMETRY_ID) return (judge_answer){.t = INFINITY, .patch = ~0u};
+    return (judge_answer){.t = get_float(p, n, EP_RAY_TFAR, lane),
+                          .u = get_float(p, n, HIT_U, lane),
+                          .v = get_float(p, n, HIT_V, lane),
+                          .patch = get_id(p, n, HIT_PRIM, lane),
+                          .normal = {get_float(p, n, HIT_NG, lane), get_float(p, n, HIT_NG + 1, lane),
+                                     get_float(p, n, HIT_NG + 2, lane)}};
+}
+
+bool same_answer(const judge_answer *a, const judge_answer *b)
+{
+    return a->t == b->t && a->u == b->u && a->v == b->v && a->patch == b->patch &&
+           !memcmp(a->normal, b->normal, sizeof a->normal);
+}
+
 judge_answer trace_one(RTCScene scene, const float org[3], const float dir[3], float tnear, float tfar)
 {
     test_packet p;
     set_ray(&p, 1, 0, org, dir, tnear, tfar);
     ep_rtc_intersect(scene, 1, p.valid, p.f, false);
-    if (get_id(&p, 1, HIT_GEOM, 0) == RTC_INVALID_GEOMETRY_ID) return (judge_answer){.t = INFINITY, .patch = ~0u};
-    return (judge_answer){.t = p.f[EP_RAY_TFAR],
-                          .u = p.f[HIT_U],
-                          .v = p.f[HIT_V],
-                          .patch = get_id(&p, 1, HIT_PRIM, 0),
-                          .normal = {p.f[HIT_NG], p.f[HIT_NG + 1], p.f[HIT_NG + 2]}};
+    return answer_of(&p, 1, 0);
 }
 
 const char *ray_text(const float org[3], const float dir[3])

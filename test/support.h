@@ -86,6 +86,10 @@ static inline float get_float(const test_packet *p, unsigned n, unsigned field, 
 }
 unsigned get_id(const test_packet *p, unsigned n, unsigned field, unsigned lane);
 
+/* What a lane of a traced packet has hit, and whether two lanes have to the bit. */
+judge_answer answer_of(const test_packet *p, unsigned n, unsigned lane);
+bool same_answer(const judge_answer *a, const judge_answer *b);
+
 /* One ray through rtcIntersect1. */
 judge_answer trace_one(RTCScene scene, const float org[3], const float dir[3], float tnear, float tfar);
 

@@ -33,23 +33,6 @@ static test_patch saddle(double x, double y, double z)
     return p;
 }
 
-static judge_answer answer_of(const test_packet *p, unsigned n, unsigned lane)
-{
-    if (get_id(p, n, HIT_GEOM, lane) == RTC_INVALID_GEOMETRY_ID) return (judge_answer){.t = INFINITY, .patch = ~0u};
-    return (judge_answer){.t = get_float(p, n, EP_RAY_TFAR, lane),
-                          .u = get_float(p, n, HIT_U, lane),
-                          .v = get_float(p, n, HIT_V, lane),
-                          .patch = get_id(p, n, HIT_PRIM, lane),
-                          .normal = {get_float(p, n, HIT_NG, lane), get_float(p, n, HIT_NG + 1, lane),
-                                     get_float(p, n, HIT_NG + 2, lane)}};
-}
-
-static bool same_answer(const judge_answer *a, const judge_answer *b)
-{
-    return a->t == b->t && a->u == b->u && a->v == b->v && a->patch == b->patch &&
-           !memcmp(a->normal, b->normal, sizeof a->normal);
-}
-
 /* The teapot, since everybody has one. */
 static test_scene teapot(oracle **o)
 {

@@ -129,8 +129,6 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
                 hit |= bits;
                 out->vague |= w_bits(w_and(step.hit, step.vague)) << base;
                 w_store(out->t + base, bits, t);
-                w_store(out->s + base, bits, step.s);
-                w_store(out->r + base, bits, step.t);
                 w_store(out->radius + base, bits, step.radius);
                 w_put_hit(leaf, triangle, &jet, &step, out->fields + base, EP_PACKET, bits);
             }
