@@ -31,6 +31,10 @@ typedef struct ep_outcome {
 typedef ep_outcome ep_packet_kernel(const ep_leaf *leaf, const float *net, const float *ray, unsigned n,
                                     uint32_t active, float *t, float *hit, EPCounters *counters);
 
+/* The same for a packet of one. */
+typedef ep_outcome ep_single_kernel(const ep_leaf *leaf, const float *net, const float *ray, float *t, float *hit,
+                                    EPCounters *counters);
+
 /* A nearly tangent ray's way through a leaf is cut into so many cells; up to EP_PACKET / EP_CELLS rays at a time. */
 #define EP_CELLS 4
 
@@ -57,7 +61,7 @@ typedef struct ep_kernels {
     const char *isa;
     unsigned width;                      /* lanes a step */
     ep_packet_kernel *packet[EP_SHAPES]; /* n = 4, 8, 16 */
-    ep_packet_kernel *single[EP_SHAPES]; /* n = 1        */
+    ep_single_kernel *single[EP_SHAPES]; /* n = 1        */
     ep_cells_kernel *cells[EP_SHAPES];
     /* What a filter needs around it, for packets of n = 4, 8, 16. `before` and `valid` have room for 16 and are
      * aligned. offer: valid = -1 in `mask` and 0 elsewhere; the rays' tfar becomes t there, and all of it is kept in

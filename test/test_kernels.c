@@ -67,7 +67,7 @@ static answer run_single(const ep_kernels *k, const ep_leaf *leaf, const float *
         if (!(active >> i & 1)) continue;
         float ray[EP_RAY_FIELDS], t, hit[5];
         for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = p->f[f * n + i];
-        const ep_outcome o = k->single[leaf->shape](leaf, net, ray, 1, 1, &t, hit, &counters);
+        const ep_outcome o = k->single[leaf->shape](leaf, net, ray, &t, hit, &counters);
         a.o.hit |= (o.hit & 1) << i;
         a.o.tie |= (o.tie & 1) << i;
         a.o.vague |= (o.vague & 1) << i;

@@ -9,8 +9,7 @@
  *   w_  EP_LANES lanes, one ray each; w_m is a mask
  *   f4  the coordinates of one point
  *
- * Arithmetic on w_f and f4 is written with operators (vector extensions of gcc and clang). lanes_scalar.h has the
- * family s_, one lane in an ordinary float. */
+ * Arithmetic on both is written with operators (vector extensions of gcc and clang). */
 #ifndef EP_LANES_PLAIN_H
 #define EP_LANES_PLAIN_H
 
@@ -133,10 +132,27 @@ static inline f4 f4_fnma(f4 a, f4 b, f4 c)
 {
     return w_fnma(a, b, c);
 }
+static inline f4 f4_min(f4 a, f4 b)
+{
+    return w_min(a, b);
+}
+static inline f4 f4_max(f4 a, f4 b)
+{
+    return w_max(a, b);
+}
 static inline f4 f4_abs(f4 a)
 {
     return w_abs(a);
 }
+static inline uint32_t f4_lt(f4 a, f4 b)
+{
+    return w_bits(a < b);
+}
 #define f4_lane(a, k) ((f4){(a)[k], (a)[k], (a)[k], (a)[k]})
+#define f4_swap(a) ((f4){(a)[1], (a)[0], (a)[2], (a)[3]})  /* the first two               */
+#define f4_next(a) ((f4){(a)[1], (a)[2], (a)[0], (a)[3]})  /* of the first three, in turn */
+#define f4_high(a) ((f4){(a)[2], (a)[3], (a)[2], (a)[3]})
+#define f4_first(a, b) ((f4){(a)[0], (b)[1], (b)[2], (b)[3]}) /* the first of a, else b */
+#define f4_third(a, b) ((f4){(a)[0], (a)[1], (b)[2], (a)[3]}) /* the third of b, else a */
 
 #endif

@@ -2,66 +2,210 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * Operation for operation what packet_tmpl.h does to one of its lanes. */
+ * Operation for operation what packet_tmpl.h and newton_tmpl.h do to one of their lanes, so with the same bits; what it
+ * all means stands there. A vector has s, t, h in its first three lanes, a quantity of the leaf's plane in the first
+ * two; what is in the others does not matter. A number that multiplies vectors is in all lanes, any other is a float.
+ */
 
-/* A vector of space in leaf coordinates. */
-EP_INLINE f4 s_to_leaf(const f4 *frame, f4 x)
+/* F's Jacobian: J^-1 (s, t) = (m_0 s - n_0 t, m_1 t - n_1 s) inverse. */
+typedef struct f4_linear {
+    f4 m, n, inverse;
+    f4 c;       /* the Newton point less y            */
+    float i, q; /* magnitudes of J^-1 and of J^-1 p */
+} f4_linear;
+
+EP_INLINE float f4_greater(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+EP_INLINE float f4_less(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+EP_INLINE f4 f4_to_leaf(const f4 *frame, f4 x)
 {
     return f4_fma(frame[2], f4_lane(x, 2), f4_fma(frame[1], f4_lane(x, 1), frame[0] * f4_lane(x, 0)));
 }
 
-EP_INLINE s_jet s_jet_at(const float *net, const s_visit *v, int triangle, unsigned m, unsigned n, int rational)
+EP_INLINE f4 f4_clamp(int triangle, f4 x)
 {
-    f4 p, ds, dt;
-    s_series(net, rational ? 4 : 3, triangle, m, n, f4_set(v->s), f4_set(v->t), &p, &ds, &dt);
-    s_jet j;
-    if (rational) {
-        const f4 inverse = f4_set(1.0f) / f4_lane(p, 3);
-        p = p * inverse;
-        ds = f4_fnma(p, f4_lane(ds, 3), ds) * inverse;
-        dt = f4_fnma(p, f4_lane(dt, 3), dt) * inverse;
-        j.at = (s_3){p[0] - v->o.x, p[1] - v->o.y, p[2] - v->o.z};
-        j.ds = (s_3){ds[0], ds[1], ds[2]};
-        j.dt = (s_3){dt[0], dt[1], dt[2]};
-    } else {
-        j.at = (s_3){(v->s - v->o.x) + p[0], (v->t - v->o.y) + p[1], p[2] - v->o.z};
-        j.ds = (s_3){ds[0] + 1.0f, ds[1], ds[2]};
-        j.dt = (s_3){dt[0], dt[1] + 1.0f, dt[2]};
-    }
-    return j;
+    const f4 low = f4_set(triangle ? -EP_THIRD : -EP_HALF), high = f4_set(triangle ? 2 * EP_THIRD : EP_HALF);
+    x = f4_max(x, low);
+    if (!triangle) return f4_min(x, high);
+    const f4 third = f4_set(EP_THIRD);
+    const f4 excess = f4_max((x + f4_swap(x)) - third, f4_set(0.0f)) * f4_set(0.5f);
+    x = f4_max(x - excess, low);
+    const f4 s = f4_min(x, high);
+    return f4_first(s, f4_min(x, third - f4_lane(s, 0)));
 }
 
-EP_INLINE ep_outcome s_single(const ep_leaf *leaf, const float *net, const float *ray, float *t_out, float *hit_out,
-                              EPCounters *counters, int triangle, unsigned m, unsigned n, int rational)
+EP_INLINE float f4_outside(int triangle, f4 x)
 {
+    if (!triangle) return f4_greater(f4_abs(x)[0], f4_abs(x)[1]) - EP_HALF;
+    return f4_greater(f4_greater(-x[0], -x[1]), x[0] + x[1]) - EP_THIRD;
+}
+
+/* The larger of the first two. */
+EP_INLINE float f4_norm(f4 x)
+{
+    x = f4_abs(x);
+    return f4_greater(x[0], x[1]);
+}
+
+/* `at`: S - o; `ds`, `dt`: the tangents. */
+EP_INLINE f4_linear f4_solve(f4 p, f4 at, f4 ds, f4 dt)
+{
+    const f4 f = f4_fnma(p, f4_lane(at, 2), at);
+    const f4 by_s = f4_fnma(p, f4_lane(ds, 2), ds), by_t = f4_fnma(p, f4_lane(dt, 2), dt);
+    const f4 s_by = f4_swap(by_s), t_by = f4_swap(by_t);
+    f4_linear l = {.m = f4_first(t_by, s_by), .n = f4_first(by_t, by_s)};
+    const f4 det = f4_fnma(l.n, f4_first(s_by, t_by), l.m * f4_first(by_s, by_t));
+    l.inverse = f4_set(1.0f) / det;
+    l.c = f4_fnma(l.m, f, l.n * f4_swap(f)) * l.inverse;
+    const f4 i = f4_abs(l.m) + f4_abs(l.n), q = f4_abs(f4_fnma(l.n, f4_swap(p), l.m * p));
+    const float size = f4_abs(l.inverse)[0];
+    l.i = f4_greater(i[0], i[1]) * size;
+    l.q = f4_greater(q[0], q[1]) * size;
+    return l;
+}
+
+EP_INLINE float f4_spread(const f4_linear *l, float st, float h)
+{
+    return __builtin_fmaf(l->q, h, l->i * st);
+}
+
+/* S - o and the tangents at x. */
+EP_INLINE void f4_jet(const float *net, f4 x, f4 o, int triangle, unsigned m, unsigned n, int rational, f4 *at, f4 *ds,
+                      f4 *dt)
+{
+    /* -0: what x + -0 leaves of x is x, to the sign of zero */
+    const f4 one_s = {1, -0.0f, -0.0f, -0.0f}, one_t = {-0.0f, 1, -0.0f, -0.0f};
+    f4_series(net, rational ? 4 : 3, triangle, m, n, f4_lane(x, 0), f4_lane(x, 1), at, ds, dt);
+    if (rational) {
+        const f4 inverse = f4_set(1.0f) / f4_lane(*at, 3);
+        *at = *at * inverse;
+        *ds = f4_fnma(*at, f4_lane(*ds, 3), *ds) * inverse;
+        *dt = f4_fnma(*at, f4_lane(*dt, 3), *dt) * inverse;
+        *at = *at - o;
+    } else {
+        *at = f4_third((x - o) + *at, *at - o);
+        *ds = *ds + one_s;
+        *dt = *dt + one_t;
+    }
+}
+
+/* Ng, u and v at x, `a` and `b` being the tangents there. */
+EP_INLINE void f4_put_hit(const ep_leaf *leaf, int triangle, f4 x, f4 a, f4 b, float *hit)
+{
+    const f4 n = f4_set(leaf->volume) * f4_next(f4_fnma(f4_next(a), b, a * f4_next(b)));
+    for (int c = 0; c < 3; ++c)
+        hit[EP_HIT_NG + c] =
+            __builtin_fmaf(leaf->frame[c][2], n[2], __builtin_fmaf(leaf->frame[c][1], n[1], leaf->frame[c][0] * n[0]));
+    const f4 edge = f4_set(triangle ? EP_THIRD : EP_HALF), one = f4_set(1.0f), zero = f4_set(0.0f);
+    const f4 domain = f4_load(leaf->domain), from = x + edge;
+    f4 base = domain;
+    if (triangle) base = f4_fma(f4_swap(from), f4_high(f4_load(leaf->domain + 2)), base);
+    f4 uv = f4_fma(from, f4_high(domain), base);
+    uv = f4_max(uv, zero);
+    const f4 u = f4_min(uv, one);
+    uv = f4_first(u, f4_min(uv, triangle ? one - f4_lane(u, 0) : one));
+    hit[EP_HIT_U] = uv[0];
+    hit[EP_HIT_V] = uv[1];
+}
+
+EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const float *ray, float *t_out, float *hit_out,
+                               EPCounters *counters, int triangle, unsigned m, unsigned n, int rational)
+{
+    const ep_outcome none = {0, 0, 0, 0}, slow = {0, 0, 0, 1};
     const f4 org = f4_load(ray + EP_RAY_ORG), dir = f4_load(ray + EP_RAY_DIR);
     const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
-    const f4 centre = f4_load(leaf->centre), centre_low = f4_load(leaf->centre_low), o = org - centre;
     const f4 frame[3] = {f4_load(leaf->frame[0]), f4_load(leaf->frame[1]), f4_load(leaf->frame[2])};
-    const f4 lo = s_to_leaf(frame, o - centre_low), ld = s_to_leaf(frame, dir), da = f4_abs(dir);
-    s_visit visit = s_enter(leaf, triangle, (s_3){lo[0], lo[1], lo[2]}, (s_3){ld[0], ld[1], ld[2]},
-                            (da[0] + da[1]) + da[2], tnear, tfar, 1);
-    ++counters->visits;
-    if (!visit.live) {
-        counters->solves += visit.slow;
-        return (ep_outcome){0, 0, 0, visit.slow};
-    }
-    ++counters->solves;
+    const f4 centre = f4_load(leaf->centre), centre_low = f4_load(leaf->centre_low), relative = org - centre;
 
-    const f4 back = o - org, low = ((org - (o - back)) - (centre + back)) - centre_low;
-    const f4 moved = s_to_leaf(frame, f4_fma(f4_set(visit.t_plane), dir, o) + low);
-    s_start(leaf, &visit, triangle, (s_3){moved[0], moved[1], moved[2]});
-    while (visit.live) {
-        const s_jet jet = s_jet_at(net, &visit, triangle, m, n, rational);
-        ++counters->evaluations;
-        const s_step step = s_advance(leaf, &visit, triangle, &jet);
-        visit.slow = visit.slow | step.stuck;
-        const float t = visit.t_plane + step.distance;
-        if (!(step.hit && ((tnear < t && t <= tfar) || step.vague))) continue;
-        *t_out = t;
-        s_normal(leaf, &jet, &step, hit_out + EP_HIT_NG);
-        s_parameters(leaf, triangle, step.s, step.t, &hit_out[EP_HIT_U], &hit_out[EP_HIT_V]);
-        return (ep_outcome){1, t == tfar, step.vague, 0};
+    /* enter */
+    const f4 near = f4_to_leaf(frame, relative - centre_low), d = f4_to_leaf(frame, dir), da = f4_abs(dir);
+    const float d_sum = (da[0] + da[1]) + da[2];
+    const f4 inverse = f4_set(1.0f) / f4_lane(d, 2), t_plane = -f4_lane(near, 2) * inverse;
+    const f4 p = d * inverse, plane = f4_fma(t_plane, d, near);
+    const float far = f4_abs(t_plane)[0] * d_sum;
+    const float side = __builtin_fmaf(leaf->reach_st, far, leaf->side);
+    const float height = __builtin_fmaf(leaf->reach_h, far, leaf->height);
+    const f4 along = f4_fma(f4_abs(p), f4_set(height), f4_set(side));
+    const float reach = f4_abs(inverse)[0] * height;
+    const f4 bound = f4_set(triangle ? EP_THIRD : EP_HALF) + along;
+    ++counters->visits;
+    if (f4_lt(bound, triangle ? -plane : f4_abs(plane)) & 3) return none;
+    if (triangle && EP_THIRD + (along[0] + along[1]) < plane[0] + plane[1]) return none;
+    if (tfar < t_plane[0] - reach || t_plane[0] + reach < tnear) return none;
+    ++counters->solves;
+    if (!(f4_norm(p) < EP_STEEP)) return slow;
+    float radius = f4_less((triangle ? 2.0f : 1.0f) * f4_greater(along[0], along[1]), 1.0f);
+    const float way = d_sum * reach;
+
+    /* move, start */
+    const f4 back = relative - org, low = ((org - (relative - back)) - (centre + back)) - centre_low;
+    const f4 o = f4_to_leaf(frame, f4_fma(t_plane, dir, relative) + low);
+    const float noise_st = __builtin_fmaf(leaf->reach_st, way, leaf->noise_st);
+    const float noise_h = __builtin_fmaf(leaf->reach_h, way, leaf->noise_h);
+    const f4 ss = f4_load(leaf->second[0]), st = f4_load(leaf->second[1]), tt = f4_load(leaf->second[2]);
+    f4 x = f4_clamp(triangle, plane);
+    {
+        const f4 one_s = {1, -0.0f, -0.0f, -0.0f}, one_t = {-0.0f, 1, -0.0f, -0.0f}; /* x + -0 is x, even if x is 0 */
+        const f4 s = f4_lane(x, 0), t = f4_lane(x, 1);
+        const f4 ds = f4_fma(st, t, ss * s), dt = f4_fma(tt, t, st * s);
+        const f4 half = f4_set(0.5f), moved = f4_third(x, f4_set(leaf->middle)) - o;
+        const f4 at = f4_fma(dt, half * t, ds * (half * s)) + moved;
+        const f4_linear l = f4_solve(p, at, ds + one_s, dt + one_t);
+        f4 next = x + l.c;
+        const float error = f4_spread(&l, leaf->model_st + noise_st, leaf->model_h + noise_h);
+        const float bend = f4_spread(&l, leaf->bend_st, leaf->bend_h);
+        const float around = f4_norm(l.c) + error, turn = bend * radius;
+        const float e = turn <= 1.0f ? f4_less(radius, __builtin_fmaf(turn, around, around)) : radius;
+        const float margin = __builtin_fmaf(0.5f * bend, e * e, error);
+        const float limit = triangle ? margin + margin : margin;
+        if (limit < f4_outside(triangle, next)) return none;
+        next = f4_clamp(triangle, next);
+        radius = f4_less(limit, radius + f4_norm(next - x));
+        x = next;
     }
-    return (ep_outcome){0, 0, 0, visit.slow};
+
+    for (;;) {
+        f4 at, ds, dt;
+        f4_jet(net, x, o, triangle, m, n, rational, &at, &ds, &dt);
+        ++counters->evaluations;
+
+        /* advance */
+        const f4_linear l = f4_solve(p, at, ds, dt);
+        const float c_s = l.c[0], c_t = l.c[1];
+        const f4 curve =
+            f4_fma(tt, f4_set(0.5f * (c_t * c_t)), f4_fma(st, f4_set(c_s * c_t), ss * f4_set(0.5f * (c_s * c_s))));
+        const f4 v = f4_fnma(p, f4_lane(curve, 2), curve);
+        const f4 step = f4_fma(f4_fnma(l.m, v, l.n * f4_swap(v)), l.inverse, l.c);
+        const f4 found = x + step, step_s = f4_lane(step, 0), step_t = f4_lane(step, 1);
+        const float bend = f4_spread(&l, leaf->bend_st, leaf->bend_h);
+        const float warp = f4_spread(&l, leaf->warp_st, leaf->warp_h);
+        const float noise = f4_spread(&l, noise_st, noise_h);
+        const float length = f4_norm(l.c), around = length + noise, turn = bend * radius;
+        const bool unique = turn <= 1.0f;
+        const float e = unique ? f4_less(radius, __builtin_fmaf(turn, around, around)) : radius, ge = bend * e;
+        const float bound = 0.5f * e * __builtin_fmaf(ge * ge, __builtin_fmaf(0.25f, ge, 1.0f), warp * e);
+        const float margin = noise + bound, outside = f4_outside(triangle, found);
+        const float left = triangle ? margin + margin : margin;
+        if (left < outside || radius + margin < f4_norm(step)) return none;
+        if (length <= EP_NEAR && bound <= f4_greater(noise, EP_ACCEPT * leaf->noise_st) && unique) {
+            const bool vague = EP_FLAT < noise || (EP_SHARP < left && -outside <= left);
+            const f4 distance = (f4_fma(dt, step_t, f4_fma(ds, step_s, at)) + curve) * inverse;
+            const float t = t_plane[0] + distance[2];
+            if (!(vague || (tnear < t && t <= tfar))) return none;
+            *t_out = t;
+            f4_put_hit(leaf, triangle, found, f4_fma(st, step_t, f4_fma(ss, step_s, ds)),
+                       f4_fma(tt, step_t, f4_fma(st, step_s, dt)), hit_out);
+            return (ep_outcome){1, t == tfar, vague, 0};
+        }
+        if (!(left < 0.75f * radius)) return slow;
+        x = f4_clamp(triangle, found);
+        radius = left;
+    }
 }

@@ -4,23 +4,25 @@
  *
  * Included once per instruction set, after its lanes_*.h. Everything is static but the table, so that no function
  * compiled for a newer machine can be linked in where an older one runs. */
-#include "embree_patch/isa/lanes_scalar.h"
 #include "embree_patch/kernels.h"
 
-/* newton_tmpl.h evaluates series in w_f, a coordinate at a time, or in f4, all at once. */
-typedef w_f w_v;
-typedef f4 s_v;
-#define w_v_load(p) w_set(*(p))
-#define s_v_load(p) f4_load(p)
-#define w_v_fma w_fma
-#define s_v_fma f4_fma
+#include <stddef.h>
 
+#define EP_INLINE static inline __attribute__((always_inline))
+
+typedef w_f w_v;
+#define w_v_load(p) w_set(*(p))
+#define w_v_fma w_fma
 #define X(name) w_##name
-#include "embree_patch/isa/newton_tmpl.h"
+#include "embree_patch/isa/series_tmpl.h"
 #undef X
-#define X(name) s_##name
-#include "embree_patch/isa/newton_tmpl.h"
+typedef f4 f4_v;
+#define f4_v_load(p) f4_load(p)
+#define f4_v_fma f4_fma
+#define X(name) f4_##name
+#include "embree_patch/isa/series_tmpl.h"
 #undef X
+#include "embree_patch/isa/newton_tmpl.h"
 #include "embree_patch/isa/packet_tmpl.h"
 #include "embree_patch/isa/single_tmpl.h"
 #include "embree_patch/isa/fold_tmpl.h"
@@ -33,11 +35,10 @@ typedef f4 s_v;
     {                                                                                                                  \
         return w_packet(leaf, net, ray, rays, active, t, hit, counters, triangle, m, n, rational);                     \
     }                                                                                                                  \
-    static ep_outcome single_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,            \
-                                    uint32_t active, float *t, float *hit, EPCounters *counters)                       \
+    static ep_outcome single_##name(const ep_leaf *leaf, const float *net, const float *ray, float *t, float *hit,     \
+                                    EPCounters *counters)                                                              \
     {                                                                                                                  \
-        (void)rays, (void)active;                                                                                      \
-        return s_single(leaf, net, ray, t, hit, counters, triangle, m, n, rational);                                   \
+        return f4_single(leaf, net, ray, t, hit, counters, triangle, m, n, rational);                                  \
     }                                                                                                                  \
     static void cells_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,                   \
                              const unsigned *lanes, unsigned count, const float *from, const float *to, ep_cells *out) \

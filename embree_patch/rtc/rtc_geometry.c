@@ -35,7 +35,7 @@ static inline uint32_t run_single(const ep_query *q, EPCounters *counters)
 {
     ep_candidates c;
     const ep_outcome o =
-        q->geometry->kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, 1, 1, c.t, c.hit, counters);
+        q->geometry->kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, c.t, c.hit, counters);
     return o.hit | o.slow ? answer(q, o, &c, counters) : 0;
 }
 
