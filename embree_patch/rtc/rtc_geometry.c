@@ -31,12 +31,15 @@ static __attribute__((noinline)) uint32_t answer(const ep_query *q, ep_outcome o
     return accepted;
 }
 
-static inline uint32_t run_single(const ep_query *q, EPCounters *counters)
+static inline bool is_open(ep_outcome o)
 {
-    ep_candidates c;
-    const ep_outcome o =
-        q->geometry->kernels->single[q->leaf->shape](q->leaf, q->net, q->ray, c.t, c.hit, counters);
-    return o.hit | o.slow ? answer(q, o, &c, counters) : 0;
+    return (o.hit | o.slow) != 0;
+}
+
+static inline ep_outcome meet(EPGeometry g, const ep_leaf *leaf, const float *ray, ep_candidates *c,
+                              EPCounters *counters)
+{
+    return g->kernels->single[leaf->shape](leaf, g->hierarchy.nets + leaf->net, ray, c->t, c->hit, counters);
 }
 
 /* A packet's few active rays, one at a time: for up to two that is cheaper, and gives the same bits. */
@@ -45,9 +48,11 @@ static uint32_t run_sparse(const ep_query *q, uint32_t active, EPCounters *count
     uint32_t accepted = 0;
     for (; active; active &= active - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(active);
+        ep_candidates c;
         ep_lane one;
         ep_take_lane(q, lane, &one);
-        if (!run_single(&one.query, counters)) continue;
+        const ep_outcome o = meet(q->geometry, q->leaf, one.ray, &c, counters);
+        if (!is_open(o) || !answer(&one.query, o, &c, counters)) continue;
         accepted |= 1u << lane;
         ep_put_lane(&one, q, lane);
     }
@@ -59,16 +64,12 @@ static uint32_t run_packet(const ep_query *q, uint32_t active, EPCounters *count
     ep_candidates c;
     const ep_outcome o =
         q->geometry->kernels->packet[q->leaf->shape](q->leaf, q->net, q->ray, q->n, active, c.t, c.hit, counters);
-    return o.hit | o.slow ? answer(q, o, &c, counters) : 0;
+    return is_open(o) ? answer(q, o, &c, counters) : 0;
 }
 
-static inline void run(const ep_query *q, int *valid)
+static void run(const ep_query *q, int *valid)
 {
     EPCounters *counters = ep_counters();
-    if (q->n == 1) {
-        if (valid[0]) ep_rtc_report(valid, 0, run_single(q, counters));
-        return;
-    }
     const uint32_t active = q->geometry->kernels->active(valid, q->n);
     const uint32_t beyond = active & (active - 1); /* all but the first */
     const uint32_t accepted = beyond & (beyond - 1) ? run_packet(q, active, counters) : run_sparse(q, active, counters);
@@ -78,34 +79,89 @@ static inline void run(const ep_query *q, int *valid)
     }
 }
 
-static void intersect(const struct RTCIntersectFunctionNArguments *args)
+static ep_query intersect_query(const struct RTCIntersectFunctionNArguments *args)
 {
     const EPGeometry g = args->geometryUserPtr;
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
-    const ep_query q = {.intersect = args,
-                        .geometry = g,
-                        .leaf = leaf,
-                        .net = g->hierarchy.nets + leaf->net,
-                        .context = args->context,
-                        .ray = (float *)args->rayhit,
-                        .n = args->N,
-                        .geom_id = args->geomID};
+    return (ep_query){.intersect = args,
+                      .geometry = g,
+                      .leaf = leaf,
+                      .net = g->hierarchy.nets + leaf->net,
+                      .context = args->context,
+                      .ray = (float *)args->rayhit,
+                      .n = args->N,
+                      .geom_id = args->geomID};
+}
+
+static ep_query occluded_query(const struct RTCOccludedFunctionNArguments *args)
+{
+    const EPGeometry g = args->geometryUserPtr;
+    const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
+    return (ep_query){.occluded = args,
+                      .geometry = g,
+                      .leaf = leaf,
+                      .net = g->hierarchy.nets + leaf->net,
+                      .context = args->context,
+                      .ray = (float *)args->ray,
+                      .n = args->N,
+                      .geom_id = args->geomID};
+}
+
+/* Single rays mostly end with a kernel that has found nothing: they have no query until it has. */
+static __attribute__((noinline)) void intersect_packet(const struct RTCIntersectFunctionNArguments *args)
+{
+    const ep_query q = intersect_query(args);
     run(&q, args->valid);
+}
+
+static __attribute__((noinline)) void intersect_found(const struct RTCIntersectFunctionNArguments *args, ep_outcome o,
+                                                      ep_candidates *c, EPCounters *counters)
+{
+    const ep_query q = intersect_query(args);
+    ep_rtc_report(args->valid, 0, answer(&q, o, c, counters));
+}
+
+static void intersect(const struct RTCIntersectFunctionNArguments *args)
+{
+    if (args->N != 1) {
+        intersect_packet(args);
+        return;
+    }
+    if (!args->valid[0]) return;
+    const EPGeometry g = args->geometryUserPtr;
+    EPCounters *counters = ep_counters();
+    ep_candidates c;
+    const ep_outcome o = meet(g, &g->hierarchy.leaves[args->primID], (const float *)args->rayhit, &c, counters);
+    if (is_open(o)) intersect_found(args, o, &c, counters);
+    else ep_rtc_report(args->valid, 0, 0);
+}
+
+static __attribute__((noinline)) void occluded_packet(const struct RTCOccludedFunctionNArguments *args)
+{
+    const ep_query q = occluded_query(args);
+    run(&q, args->valid);
+}
+
+static __attribute__((noinline)) void occluded_found(const struct RTCOccludedFunctionNArguments *args, ep_outcome o,
+                                                     ep_candidates *c, EPCounters *counters)
+{
+    const ep_query q = occluded_query(args);
+    ep_rtc_report(args->valid, 0, answer(&q, o, c, counters));
 }
 
 static void occluded(const struct RTCOccludedFunctionNArguments *args)
 {
+    if (args->N != 1) {
+        occluded_packet(args);
+        return;
+    }
+    if (!args->valid[0]) return;
     const EPGeometry g = args->geometryUserPtr;
-    const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
-    const ep_query q = {.occluded = args,
-                        .geometry = g,
-                        .leaf = leaf,
-                        .net = g->hierarchy.nets + leaf->net,
-                        .context = args->context,
-                        .ray = (float *)args->ray,
-                        .n = args->N,
-                        .geom_id = args->geomID};
-    run(&q, args->valid);
+    EPCounters *counters = ep_counters();
+    ep_candidates c;
+    const ep_outcome o = meet(g, &g->hierarchy.leaves[args->primID], (const float *)args->ray, &c, counters);
+    if (is_open(o)) occluded_found(args, o, &c, counters);
+    else ep_rtc_report(args->valid, 0, 0);
 }
 
 static void bounds(const struct RTCBoundsFunctionArguments *args)
