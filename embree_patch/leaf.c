@@ -10,6 +10,7 @@
  * range is centred on zero, and rounded to float before the bounds are taken: they hold for the frame that the kernels
  * use. */
 #include "embree_patch/leaf.h"
+#include "embree_patch/taylor.h"
 
 #include <string.h>
 
@@ -259,29 +260,78 @@ static double reduce(ep_fit *f)
     return lost + fmax(off, 0) * !leaf->rational;
 }
 
-/* The model is r's middle and the middle of the range of each second derivative. By Taylor's theorem with integral
- * remainder about the middle, |r - model| <= |r_s| |s| + |r_t| |t| + half ranges of r_ss s²/2 + r_st st + r_tt t²/2. */
-static void model(const ep_fit *f, const bounds b[3], double lost, ep_leaf *leaf)
+/* Coordinate c of `series` as far as its terms go. */
+static ep_taylor taylor_of(const ep_fit *f, int c)
 {
-    const ep_kind *kind = f->kind;
-    double error[3];
+    ep_taylor a = {{0}, 0};
+    for (unsigned j = 0; j <= f->n; ++j)
+        for (unsigned i = 0; i <= f->m; ++i) {
+            const size_t at = f->kind->index(f->m, f->n, i, j);
+            if (at == SIZE_MAX) continue;
+            if (i + j <= EP_TAYLOR_DEGREE) a.c[ep_taylor_index(i, j)] = f->series[at][c];
+            else a.rest += fabs(f->series[at][c]) * monomial(f, i, j);
+        }
+    return a;
+}
+
+/* H x²/2 for the second derivatives of coordinate c; squares: x_s², x_s x_t, x_t². */
+static ep_taylor half_form(const ep_leaf *leaf, int c, const ep_taylor squares[3])
+{
+    const ep_taylor none = {{0}, 0};
+    ep_taylor r = ep_taylor_add(&none, leaf->second[0][c] / 2.0, &squares[0]);
+    r = ep_taylor_add(&r, leaf->second[1][c], &squares[1]);
+    return ep_taylor_add(&r, leaf->second[2][c] / 2.0, &squares[2]);
+}
+
+static void square(const ep_taylor x[2], const ep_monomials *m, ep_taylor squares[3])
+{
+    squares[0] = ep_taylor_multiply(&x[0], &x[0], m);
+    squares[1] = ep_taylor_multiply(&x[0], &x[1], m);
+    squares[2] = ep_taylor_multiply(&x[1], &x[1], m);
+}
+
+/* The model is r's middle and its second derivatives there. The graph: r_h - middle - H_h u²/2 over the feet u = x +
+ * r_st. The foot: x less what w_start makes of u. Both are of the third order: models of the second with a remainder
+ * would lose in u what distortion adds to r_h. */
+static void model(const ep_fit *f, const bounds b[3], const weight *w, double lost, ep_leaf *leaf)
+{
+    ep_monomials m;
+    for (unsigned d = 0, n = 0; d <= EP_TAYLOR_DEGREE; ++d)
+        for (unsigned j = 0; j <= d; ++j, ++n) m.max[n] = f->kind->monomial(d - j, j);
     leaf->middle = (float)f->rest[0][2];
     for (int c = 0; c < 3; ++c) {
         leaf->second[0][c] = (float)ep_mid(b[c].dss);
         leaf->second[1][c] = (float)ep_mid(b[c].dst);
         leaf->second[2][c] = (float)ep_mid(b[c].dtt);
-        /* R's slope is r's but for r W' */
-        const size_t s = kind->index(rest_m(f), rest_n(f), 1, 0), t = kind->index(rest_m(f), rest_n(f), 0, 1);
-        const double *w = f->rest[0];
-        const double slope = fabs(f->rest[s][c] - w[c] * f->rest[s][3]) + fabs(f->rest[t][c] - w[c] * f->rest[t][3]);
-        error[c] = lost + (c < 2 ? fabs(w[c]) : 0) + slope * kind->extent +
-                   (ep_half(b[c].dss) + ep_half(b[c].dtt)) * kind->monomial(2, 0) / 2 +
-                   ep_half(b[c].dst) * kind->monomial(1, 1);
-        /* and what the kernels' arithmetic adds to a handful of terms below this */
-        error[c] += 16 * EP_EPS_F * (1 + ep_mag(b[c].dss) + ep_mag(b[c].dst) + ep_mag(b[c].dtt));
     }
-    leaf->model_st = ep_round_up(fmax(error[0], error[1]));
-    leaf->model_h = ep_round_up(error[2]);
+
+    ep_taylor surface[3], squares[3];
+    for (int c = 0; c < 3; ++c) surface[c] = taylor_of(f, c);
+    if (leaf->rational) {
+        const ep_taylor weight = taylor_of(f, 3);
+        for (int c = 0; c < 3; ++c) surface[c] = ep_taylor_divide(&surface[c], &weight, w->low, &m);
+    }
+    square(surface, &m, squares);
+    const ep_taylor arc = half_form(leaf, 2, squares);
+    ep_taylor left = ep_taylor_add(&surface[2], -1, &arc);
+    left.c[0] -= leaf->middle;
+    leaf->graph = ep_round_up(ep_taylor_bound(&left, &m) + lost);
+
+    ep_taylor x[2] = {surface[0], surface[1]};
+    double foot = 0;
+    for (int round = 0; round < 2; ++round) {
+        square(x, &m, squares);
+        for (int c = 0; c < 2; ++c) {
+            const ep_taylor moved = half_form(leaf, c, squares);
+            x[c] = ep_taylor_add(&surface[c], -1, &moved);
+        }
+    }
+    for (unsigned c = 0; c < 2; ++c) {
+        x[c].c[ep_taylor_index(1 - c, c)] -= 1;
+        foot = fmax(foot, ep_taylor_bound(&x[c], &m));
+    }
+    /* and what the kernels' arithmetic adds to two dozen terms below this */
+    leaf->foot = ep_round_up(foot + lost + 32 * EP_EPS_F * (1 + ep_mag(b[0].value) + ep_mag(b[1].value)));
 }
 
 /* Rounding of F in leaf coordinates; eps = 2^-24.
@@ -392,7 +442,7 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, e
     f->thickness = 2 * ep_mag(b[2].value);
     f->distortion = fmax(ep_mag(b[0].ds) + ep_mag(b[0].dt), ep_mag(b[1].ds) + ep_mag(b[1].dt));
     const double lost = reduce(f);
-    model(f, b, lost, leaf);
+    model(f, b, &w, lost, leaf);
     rounding(p, f, &g, &w, lost, leaf);
     /* For the frame's matrix M, M a x M b = det M M^-T (a x b); and S_s x S_t = (uu vv - uv vu) S_u x S_v. */
     leaf->volume = (float)(1 / (ep_dot(g.row[0], ep_cross(g.row[1], g.row[2])) * (d->uu * d->vv - d->uv * d->vu)));

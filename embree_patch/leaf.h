@@ -65,7 +65,7 @@ typedef struct ep_leaf {
     float reach_st, reach_h;        /* rounding of M per unit of way, measured as |t| |d| in the sum norm          */
     float middle;                   /* r_h at the middle of D; r_s and r_t are zero there                         */
     float second[3][3];             /* r_ss, r_st, r_tt there; each for s, t, h: with `middle`, the model of r     */
-    float model_st, model_h;        /* how far r may be from it                                                   */
+    float graph, foot;              /* how far the model may be off: heights over feet, and where a foot belongs   */
     float bend_st, bend_h;          /* Lipschitz constants of the derivatives of (r_s, r_t), r_h                   */
     float warp_st, warp_h;          /* the same for r minus the model                                             */
     float noise_st, noise_h;        /* rounding errors of F: of its rows, and of the height that p multiplies     */

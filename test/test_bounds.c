@@ -32,6 +32,13 @@ static double middle_of(const ep_patch *patch)
     return patch->kind == EP_KIND_TRIANGLE ? 1.0 / 3 : 0.5;
 }
 
+/* H x²/2 for the second derivatives of coordinate c. */
+static double half_form(const ep_leaf *leaf, int c, const double x[2])
+{
+    const double ss = (double)leaf->second[0][c], st = (double)leaf->second[1][c], tt = (double)leaf->second[2][c];
+    return ss * x[0] * x[0] / 2 + st * x[0] * x[1] + tt * x[1] * x[1] / 2;
+}
+
 static remainder_at evaluate(const test_patch *p, const ep_patch *patch, const ep_leaf *leaf, const double x[2])
 {
     const float *d = leaf->domain;
@@ -100,18 +107,24 @@ static void check_leaf(const test_patch *p, const ep_hierarchy *h, where w, rng 
         const double apart = fmax(fabs(x[0] - before[0]), fabs(x[1] - before[1]));
         const double s = x[0] - middle_of(patch), t = x[1] - middle_of(patch);
         const double ls = before[0] - middle_of(patch), lt = before[1] - middle_of(patch);
-        double off[3], r_net[3];
+        double r_net[3];
         for (int c = 0; c < 3; ++c) {
             const double ss = leaf->second[0][c], st = leaf->second[1][c], tt = leaf->second[2][c];
             const double bend = c < 2 ? leaf->bend_st : leaf->bend_h, warp = c < 2 ? leaf->warp_st : leaf->warp_h;
             const double ds = e.rs[c] - last.rs[c], dt = e.rt[c] - last.rt[c];
             HOLDS(fabs(ds) + fabs(dt), bend * apart, c);
             HOLDS(fabs(ds - ss * (s - ls) - st * (t - lt)) + fabs(dt - st * (s - ls) - tt * (t - lt)), warp * apart, c);
-            off[c] = fabs(e.r[c] - (c == 2 ? leaf->middle : 0) - ss * s * s / 2 - st * s * t - tt * t * t / 2);
         }
-        HOLDS(off[0], leaf->model_st, 0);
-        HOLDS(off[1], leaf->model_st, 1);
-        HOLDS(off[2], leaf->model_h, 2);
+        /* the graph over the feet, and the way back from one */
+        const double u[2] = {s + e.r[0], t + e.r[1]};
+        HOLDS(fabs(e.r[2] - leaf->middle - half_form(leaf, 2, u)), leaf->graph, 2);
+        double back[2] = {u[0], u[1]};
+        for (int round = 0; round < 2; ++round) {
+            const double m[2] = {half_form(leaf, 0, back), half_form(leaf, 1, back)};
+            for (int c = 0; c < 2; ++c) back[c] = u[c] - m[c];
+        }
+        HOLDS(fabs(back[0] - s), leaf->foot, 0);
+        HOLDS(fabs(back[1] - t), leaf->foot, 1);
         sum_powers(patch, leaf, h->nets + leaf->net, s, t, r_net);
         HOLDS(fabs(r_net[0] - e.r[0]), leaf->noise_st, 0);
         HOLDS(fabs(r_net[1] - e.r[1]), leaf->noise_st, 1);

@@ -20,6 +20,9 @@
 /* A ray so nearly parallel to the leaf's plane that 1 / h(d) is mostly rounding. */
 #define EP_STEEP 0x1p12f
 
+/* Rounding of a dozen operations. */
+#define EP_TERMS 0x1p-19f
+
 /* The domain in leaf coordinates: |s|, |t| <= 1/2, or s, t >= -1/3 and s + t <= 1/3. */
 #define EP_HALF 0.5f
 #define EP_THIRD (1.0f / 3)
@@ -34,14 +37,14 @@ typedef struct w_visit {
     w_f p_s, p_t;          /* leaf.h: motion along the leaf per unit of height            */
     w_f inverse;           /* 1 / (direction's height)                                    */
     w_f t_plane;           /* where the ray meets the leaf's plane, and is moved to       */
-    w_f way;               /* |t| |d| in the sum norm on its way through the prism        */
+    w_f far, way;          /* |t| |d| in the sum norm to the plane, and through the prism */
     w_3 o;                 /* the moved origin                                            */
     w_f noise_st, noise_h; /* rounding of F                                           */
     w_f s, t;              /* where to evaluate next                                      */
     w_f radius;            /* all roots are within this of it                             */
     w_m live;              /* neither certified to miss nor slow                          */
     w_m slow;
-    w_m more;              /* there is another such neighbourhood, farther along the ray  */
+    w_m more; /* there is another such neighbourhood, farther along the ray  */
     w_f other_s, other_t, other_radius;
 } w_visit;
 
@@ -59,7 +62,7 @@ typedef struct w_step {
 } w_step;
 
 /* The nearest point of the domain, or close to it. */
-EP_INLINE void w_clamp(int triangle, w_f * s, w_f * t)
+EP_INLINE void w_clamp(int triangle, w_f *s, w_f *t)
 {
     const w_f low = w_set(triangle ? -EP_THIRD : -EP_HALF), high = w_set(triangle ? 2 * EP_THIRD : EP_HALF);
     *s = w_max(*s, low);
@@ -87,7 +90,7 @@ typedef struct w_linear {
     w_f ss, st, ts, tt, inverse, c_s, c_t, i, q; /* c - y */
 } w_linear;
 
-EP_INLINE w_linear w_solve(const w_visit * v, const w_jet * j)
+EP_INLINE w_linear w_solve(const w_visit *v, const w_jet *j)
 {
     w_linear l;
     const w_f f_s = w_fnma(v->p_s, j->at.z, j->at.x), f_t = w_fnma(v->p_t, j->at.z, j->at.y);
@@ -105,15 +108,14 @@ EP_INLINE w_linear w_solve(const w_visit * v, const w_jet * j)
 }
 
 /* |J^-1| st + |q| h */
-EP_INLINE w_f w_spread(const w_linear * l, w_f st, w_f h)
+EP_INLINE w_f w_spread(const w_linear *l, w_f st, w_f h)
 {
     return w_fma(l->q, h, l->i * st);
 }
 
 /* `o`, `d`: origin relative to the leaf's centre (rounded) and direction, in leaf coordinates; `d_sum`: the
  * direction's sum norm in space. Most rays that only touch the leaf's box end here. */
-EP_INLINE w_visit
-    w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d_sum, w_f tnear, w_f tfar, w_m active)
+EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d_sum, w_f tnear, w_f tfar, w_m active)
 {
     w_visit v;
     const w_f edge = w_set(triangle ? EP_THIRD : EP_HALF);
@@ -132,15 +134,13 @@ EP_INLINE w_visit
     const w_f reach = w_abs(v.inverse) * height;
     w_m out;
     if (triangle)
-        out = w_or(w_or(w_lt(edge + reach_s, -s), w_lt(edge + reach_t, -t)),
-                    w_lt(edge + (reach_s + reach_t), s + t));
+        out = w_or(w_or(w_lt(edge + reach_s, -s), w_lt(edge + reach_t, -t)), w_lt(edge + (reach_s + reach_t), s + t));
     else out = w_or(w_lt(edge + reach_s, w_abs(s)), w_lt(edge + reach_t, w_abs(t)));
     out = w_or(out, w_or(w_lt(tfar, v.t_plane - reach), w_lt(v.t_plane + reach, tnear)));
     const w_m in = w_andnot(active, out); /* a NaN is never out */
 
-    /* Clamping to a rectangle never moves away from a point in it; to the triangle, by at most as much again. */
-    v.radius = w_min(w_set(triangle ? 2.0f : 1.0f) * w_max(reach_s, reach_t), w_set(1.0f));
     v.way = d_sum * reach;
+    v.far = far;
     v.live = w_and(in, w_lt(w_max(p_s, p_t), w_set(EP_STEEP)));
     v.slow = w_andnot(in, v.live);
     v.s = s;
@@ -148,45 +148,82 @@ EP_INLINE w_visit
     return v;
 }
 
-/* Where iteration begins: on the plane, with a Newton step on the leaf's model, whose error stands in for rounding.
- * `o`: the origin moved to the plane, in leaf coordinates. M's rounding of the direction counts over the way through
- * the prism. Many rays that pass beside the leaf end here. */
+/* Where iteration begins. Seen from the plane the leaf is a graph, its height over its feet u = x + r_st(x), and along
+ * the ray u = u0 + p tau where its height is tau. With H the second derivatives at the middle, where the graph is
+ * level, a hit has
+ *
+ *     |c0 + c1 tau + c2 tau²/2| <= P,   c0 = middle + H_h u0²/2,  c1 = H_h u0 p - 1,  c2 = H_h p²,
+ *
+ * P = graph + noise. How the leaf is parametrised does not matter. With D = c1² - 2 c2 c0 and w = 2 |c2| P the ray
+ * misses if D < -w. If not, tau is within delta of one of the two roots for D, delta = 2 P / (sqrt(D) + sqrt(D - w)):
+ * less than 4/3 P / sqrt(D) if w < 3/4 D, and else the ray is too nearly tangent for this to help. Usually one of the
+ * roots is nowhere near the leaf, and the other says where to evaluate first: at x = u - m(u - m(u)), m(u) = H_st u²/2,
+ * which is right to `foot` for a foot u of D, and off by at most 1 + k (1 + k/2)(1 + k) times what u is, k = |H_st|
+ * |u|. Rays with two, and those that are too nearly tangent, are slow. */
 EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o)
 {
-    const w_f one = w_set(1.0f), half = w_set(0.5f);
+    const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f);
+    const float extent = triangle ? 2 * EP_THIRD : EP_HALF, reach = extent + leaf->side, k = leaf->bend_st * reach;
     v->o = o;
     v->noise_st = w_fma(w_set(leaf->reach_st), v->way, w_set(leaf->noise_st));
     v->noise_h = w_fma(w_set(leaf->reach_h), v->way, w_set(leaf->noise_h));
-    w_f s = v->s, t = v->t;
-    w_clamp(triangle, &s, &t);
 
-    const w_f half_s = half * s, half_t = half * t;
-    w_f at[3], ds[3], dt[3];
-    for (int c = 0; c < 3; ++c) {
-        const w_f ss = w_set(leaf->second[0][c]), st = w_set(leaf->second[1][c]), tt = w_set(leaf->second[2][c]);
-        ds[c] = w_fma(st, t, ss * s);
-        dt[c] = w_fma(tt, t, st * s);
-        at[c] = w_fma(dt[c], half_t, ds[c] * half_s);
+    const w_f s = v->s, t = v->t;
+    const w_f ss = w_set(leaf->second[0][2]), st = w_set(leaf->second[1][2]), tt = w_set(leaf->second[2][2]);
+    const w_f g_s = w_fma(st, t, ss * s), g_t = w_fma(tt, t, st * s);
+    const w_f c0 = w_fma(w_fma(t, g_t, s * g_s), half, w_set(leaf->middle));
+    const w_f c1 = w_fma(v->p_t, g_t, w_fma(v->p_s, g_s, -one));
+    const w_f c2 = w_fma(v->p_t, w_fma(tt, v->p_t, st * v->p_s), v->p_s * w_fma(st, v->p_t, ss * v->p_s));
+
+    /* u0 and tau are right to e_st and e_h; c0, c1 tau and c2 tau² to a few roundings of terms below `terms` */
+    const w_f e_st = w_fma(w_set(leaf->reach_st), v->far, v->noise_st);
+    const w_f e_h = w_fma(w_set(leaf->reach_h), v->far, v->noise_h);
+    const w_f p_max = w_max(w_abs(v->p_s), w_abs(v->p_t)), high = w_set(leaf->height) + e_h;
+    const w_f along = w_fma(p_max, high, w_max(w_abs(s), w_abs(t)));
+    const w_f terms = w_fma(w_set(leaf->bend_h) * along, along, high + high);
+    const w_f p = w_fma(w_set(EP_TERMS), terms, w_fma(w_set(leaf->bend_h * reach), e_st, w_set(leaf->graph) + e_h));
+
+    const w_f twice = c2 + c2, size = w_abs(c2), width = w_abs(twice) * p;
+    const w_f d = w_fnma(twice, c0, c1 * c1), root = w_sqrt(w_max(d, zero));
+    const w_m none = w_lt(d + width, zero), clear = w_lt(width, w_set(0.75f) * d), falls = w_lt(c1, zero);
+    const w_f q = w_abs(c1) + root, inverse = one / (q * root), delta = (w_set(1.5f) * p) * (q * inverse);
+    const w_f twice_c0 = c0 + c0, tau = (w_select(falls, twice_c0, -twice_c0) * root) * inverse;
+    /* the other is at tau_2 = q_2 / c2 */
+    const w_f q_2 = w_select(falls, q, -q), about = w_fma(p_max, delta, e_st), within = high + delta;
+    const w_f u_2 = w_max(w_abs(w_fma(v->p_s, q_2, s * c2)), w_abs(w_fma(v->p_t, q_2, t * c2)));
+    const w_m second = w_and(w_le(q, within * size), w_le(u_2, (w_set(reach) + about) * size));
+    w_f u_s = w_fma(v->p_s, tau, s), u_t = w_fma(v->p_t, tau, t);
+    const w_f beside = w_set(leaf->side) + about;
+    const w_m first =
+        w_and(w_le(w_abs(tau), within), w_le(w_outside(triangle, u_s, u_t), triangle ? beside + beside : beside));
+    const w_m left = w_andnot(v->live, none), slow = w_or(w_and(left, second), w_andnot(left, clear));
+    v->slow = w_or(v->slow, slow);
+
+    /* no foot is farther out */
+    const w_f low = w_set(triangle ? -EP_THIRD - leaf->side : -reach), limit = w_set(reach);
+    u_s = w_min(w_max(u_s, low), limit);
+    u_t = w_min(w_max(u_t, low), limit);
+    v->s = u_s;
+    v->t = u_t;
+    for (int round = 0; round < 2; ++round) {
+        const w_f half_ss = half * (v->s * v->s), both = v->s * v->t, half_tt = half * (v->t * v->t);
+        w_f x[2] = {u_s, u_t};
+        for (int c = 0; c < 2; ++c)
+            x[c] = w_fnma(w_set(leaf->second[2][c]), half_tt,
+                          w_fnma(w_set(leaf->second[1][c]), both, w_fnma(w_set(leaf->second[0][c]), half_ss, x[c])));
+        v->s = x[0];
+        v->t = x[1];
     }
-    const w_jet j = {{at[0] + (s - o.x), at[1] + (t - o.y), at[2] + (w_set(leaf->middle) - o.z)},
-                     {ds[0] + one, ds[1], ds[2]},
-                     {dt[0], dt[1] + one, dt[2]}};
-    const w_linear l = w_solve(v, &j);
-    v->s = s + l.c_s;
-    v->t = t + l.c_t;
-    const w_f error = w_spread(&l, w_set(leaf->model_st) + v->noise_st, w_set(leaf->model_h) + v->noise_h);
-    const w_f bend = w_spread(&l, w_set(leaf->bend_st), w_set(leaf->bend_h));
-    const w_f way = w_max(w_abs(l.c_s), w_abs(l.c_t)) + error, turn = bend * v->radius;
-    const w_f e = w_select(w_le(turn, one), w_min(v->radius, w_fma(turn, way, way)), v->radius);
-    const w_f margin = w_fma(half * bend, e * e, error), bound = triangle ? margin + margin : margin;
-    v->live = w_andnot(v->live, w_lt(bound, w_outside(triangle, v->s, v->t)));
+    const w_f off = w_fma(w_set(1 + k * (1 + 0.5f * k) * (1 + k)), about, w_set(leaf->foot));
+    v->radius = w_min(triangle ? off + off : off, one);
+    v->live =
+        w_andnot(w_andnot(w_and(left, first), slow), w_lt(triangle ? off + off : off, w_outside(triangle, v->s, v->t)));
     w_clamp(triangle, &v->s, &v->t);
-    v->radius = w_min(bound, v->radius + w_max(w_abs(v->s - s), w_abs(v->t - t)));
 }
 
 /* The surface's own jet, and with it the improved Newton point c' and what follows from it. Lanes that it decides leave
  * v->live; `hit` are those with a root, at (s, t) and `distance` along the ray from the moved origin. */
-EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit * v, int triangle, const w_jet * j)
+EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, const w_jet *j)
 {
     w_step r;
     const w_f one = w_set(1.0f), half = w_set(0.5f);
@@ -195,7 +232,7 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit * v, int triangle, const
     w_f curve[3];
     for (int c = 0; c < 3; ++c)
         curve[c] = w_fma(w_set(leaf->second[2][c]), half_tt,
-                          w_fma(w_set(leaf->second[1][c]), both, w_set(leaf->second[0][c]) * half_ss));
+                         w_fma(w_set(leaf->second[1][c]), both, w_set(leaf->second[0][c]) * half_ss));
     const w_f v_s = w_fnma(v->p_s, curve[2], curve[0]), v_t = w_fnma(v->p_t, curve[2], curve[1]);
     r.step_s = w_fma(w_fnma(l.tt, v_s, l.st * v_t), l.inverse, l.c_s);
     r.step_t = w_fma(w_fnma(l.ss, v_t, l.ts * v_s), l.inverse, l.c_t);
@@ -211,16 +248,17 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit * v, int triangle, const
     const w_m unique = w_le(turn, one);
     const w_f e = w_select(unique, w_min(v->radius, w_fma(turn, way, way)), v->radius), ge = bend * e;
     const w_f bound = half * e * w_fma(ge * ge, w_fma(w_set(0.25f), ge, one), warp * e);
-    const w_f margin = noise + bound, outside = w_outside(triangle, r.s, r.t);
+    const w_f displaced = w_fma(noise, w_fma(half, w_fma(ge, ge, bend * noise), ge), noise);
+    const w_f margin = displaced + bound, outside = w_outside(triangle, r.s, r.t);
     /* errors add up in s + t, and in clamping to the triangle */
     r.radius = triangle ? margin + margin : margin;
     /* no root in D, or none in the neighbourhood */
-    const w_m miss =
-        w_or(w_lt(r.radius, outside), w_lt(v->radius + margin, w_max(w_abs(r.step_s), w_abs(r.step_t))));
+    const w_m miss = w_or(w_lt(r.radius, outside), w_lt(v->radius + margin, w_max(w_abs(r.step_s), w_abs(r.step_t))));
     const w_m near = w_le(bound, w_max(noise, w_set(EP_ACCEPT * leaf->noise_st)));
-    const w_m done = w_and(w_and(w_le(length, w_set(EP_NEAR)), near), unique);
-    r.vague =
-        w_or(w_lt(w_set(EP_FLAT), noise), w_and(w_lt(w_set(EP_SHARP), r.radius), w_le(-outside, r.radius)));
+    /* from c', too, Newton's method in double goes to this root: rounding may have displaced it by more than e */
+    const w_m sure = w_and(unique, w_le(bend * margin, one));
+    const w_m done = w_and(w_and(w_le(length, w_set(EP_NEAR)), near), sure);
+    r.vague = w_or(w_lt(w_set(EP_FLAT), noise), w_and(w_lt(w_set(EP_SHARP), r.radius), w_le(-outside, r.radius)));
     const w_m shrinks = w_lt(r.radius, w_set(0.75f) * v->radius);
     r.hit = w_andnot(w_and(v->live, done), miss);
     v->live = w_andnot(v->live, w_or(miss, done));
@@ -235,7 +273,7 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit * v, int triangle, const
 }
 
 /* The patch's parameters at (s, t) of a leaf. */
-EP_INLINE void w_parameters(const ep_leaf *leaf, int triangle, w_f s, w_f t, w_f * u, w_f * v)
+EP_INLINE void w_parameters(const ep_leaf *leaf, int triangle, w_f s, w_f t, w_f *u, w_f *v)
 {
     const float *d = leaf->domain;
     const w_f edge = w_set(triangle ? EP_THIRD : EP_HALF), zero = w_set(0.0f), one = w_set(1.0f);
@@ -247,7 +285,7 @@ EP_INLINE void w_parameters(const ep_leaf *leaf, int triangle, w_f s, w_f t, w_f
 }
 
 /* Ng at the Newton point: the tangents' change over the step comes from the model's second derivatives. */
-EP_INLINE void w_normal(const ep_leaf *leaf, const w_jet * j, const w_step * r, w_f ng[3])
+EP_INLINE void w_normal(const ep_leaf *leaf, const w_jet *j, const w_step *r, w_f ng[3])
 {
     const w_f jds[3] = {j->ds.x, j->ds.y, j->ds.z}, jdt[3] = {j->dt.x, j->dt.y, j->dt.z};
     w_f a[3], b[3], n[3];
@@ -262,5 +300,5 @@ EP_INLINE void w_normal(const ep_leaf *leaf, const w_jet * j, const w_step * r, 
     }
     for (int c = 0; c < 3; ++c)
         ng[c] = w_fma(w_set(leaf->frame[c][2]), n[2],
-                       w_fma(w_set(leaf->frame[c][1]), n[1], w_set(leaf->frame[c][0]) * n[0]));
+                      w_fma(w_set(leaf->frame[c][1]), n[1], w_set(leaf->frame[c][0]) * n[0]));
 }

@@ -14,12 +14,27 @@ typedef struct f4_linear {
     float i, q; /* magnitudes of J^-1 and of J^-1 p */
 } f4_linear;
 
-EP_INLINE float f4_greater(float a, float b)
+EP_INLINE float f1_fma(float a, float b, float c)
+{
+    return __builtin_fmaf(a, b, c);
+}
+
+EP_INLINE float f1_abs(float a)
+{
+    return __builtin_fabsf(a);
+}
+
+EP_INLINE float f1_sqrt(float a)
+{
+    return __builtin_sqrtf(a);
+}
+
+EP_INLINE float f1_max(float a, float b)
 {
     return a > b ? a : b;
 }
 
-EP_INLINE float f4_less(float a, float b)
+EP_INLINE float f1_min(float a, float b)
 {
     return a < b ? a : b;
 }
@@ -43,15 +58,15 @@ EP_INLINE f4 f4_clamp(int triangle, f4 x)
 
 EP_INLINE float f4_outside(int triangle, f4 x)
 {
-    if (!triangle) return f4_greater(f4_abs(x)[0], f4_abs(x)[1]) - EP_HALF;
-    return f4_greater(f4_greater(-x[0], -x[1]), x[0] + x[1]) - EP_THIRD;
+    if (!triangle) return f1_max(f4_abs(x)[0], f4_abs(x)[1]) - EP_HALF;
+    return f1_max(f1_max(-x[0], -x[1]), x[0] + x[1]) - EP_THIRD;
 }
 
 /* The larger of the first two. */
 EP_INLINE float f4_norm(f4 x)
 {
     x = f4_abs(x);
-    return f4_greater(x[0], x[1]);
+    return f1_max(x[0], x[1]);
 }
 
 /* `at`: S - o; `ds`, `dt`: the tangents. */
@@ -66,14 +81,14 @@ EP_INLINE f4_linear f4_solve(f4 p, f4 at, f4 ds, f4 dt)
     l.c = f4_fnma(l.m, f, l.n * f4_swap(f)) * l.inverse;
     const f4 i = f4_abs(l.m) + f4_abs(l.n), q = f4_abs(f4_fnma(l.n, f4_swap(p), l.m * p));
     const float size = f4_abs(l.inverse)[0];
-    l.i = f4_greater(i[0], i[1]) * size;
-    l.q = f4_greater(q[0], q[1]) * size;
+    l.i = f1_max(i[0], i[1]) * size;
+    l.q = f1_max(q[0], q[1]) * size;
     return l;
 }
 
 EP_INLINE float f4_spread(const f4_linear *l, float st, float h)
 {
-    return __builtin_fmaf(l->q, h, l->i * st);
+    return f1_fma(l->q, h, l->i * st);
 }
 
 /* S - o and the tangents at x. */
@@ -101,8 +116,7 @@ EP_INLINE void f4_put_hit(const ep_leaf *leaf, int triangle, f4 x, f4 a, f4 b, f
 {
     const f4 n = f4_set(leaf->volume) * f4_next(f4_fnma(f4_next(a), b, a * f4_next(b)));
     for (int c = 0; c < 3; ++c)
-        hit[EP_HIT_NG + c] =
-            __builtin_fmaf(leaf->frame[c][2], n[2], __builtin_fmaf(leaf->frame[c][1], n[1], leaf->frame[c][0] * n[0]));
+        hit[EP_HIT_NG + c] = f1_fma(leaf->frame[c][2], n[2], f1_fma(leaf->frame[c][1], n[1], leaf->frame[c][0] * n[0]));
     const f4 edge = f4_set(triangle ? EP_THIRD : EP_HALF), one = f4_set(1.0f), zero = f4_set(0.0f);
     const f4 domain = f4_load(leaf->domain), from = x + edge;
     f4 base = domain;
@@ -130,8 +144,8 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
     const f4 inverse = f4_set(1.0f) / f4_lane(d, 2), t_plane = -f4_lane(near, 2) * inverse;
     const f4 p = d * inverse, plane = f4_fma(t_plane, d, near);
     const float far = f4_abs(t_plane)[0] * d_sum;
-    const float side = __builtin_fmaf(leaf->reach_st, far, leaf->side);
-    const float height = __builtin_fmaf(leaf->reach_h, far, leaf->height);
+    const float side = f1_fma(leaf->reach_st, far, leaf->side);
+    const float height = f1_fma(leaf->reach_h, far, leaf->height);
     const f4 along = f4_fma(f4_abs(p), f4_set(height), f4_set(side));
     const float reach = f4_abs(inverse)[0] * height;
     const f4 bound = f4_set(triangle ? EP_THIRD : EP_HALF) + along;
@@ -141,34 +155,55 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
     if (tfar < t_plane[0] - reach || t_plane[0] + reach < tnear) return none;
     ++counters->solves;
     if (!(f4_norm(p) < EP_STEEP)) return slow;
-    float radius = f4_less((triangle ? 2.0f : 1.0f) * f4_greater(along[0], along[1]), 1.0f);
-    const float way = d_sum * reach;
 
     /* move, start */
+    const float way = d_sum * reach;
     const f4 back = relative - org, low = ((org - (relative - back)) - (centre + back)) - centre_low;
     const f4 o = f4_to_leaf(frame, f4_fma(t_plane, dir, relative) + low);
-    const float noise_st = __builtin_fmaf(leaf->reach_st, way, leaf->noise_st);
-    const float noise_h = __builtin_fmaf(leaf->reach_h, way, leaf->noise_h);
+    const float noise_st = f1_fma(leaf->reach_st, way, leaf->noise_st);
+    const float noise_h = f1_fma(leaf->reach_h, way, leaf->noise_h);
     const f4 ss = f4_load(leaf->second[0]), st = f4_load(leaf->second[1]), tt = f4_load(leaf->second[2]);
-    f4 x = f4_clamp(triangle, plane);
+    float radius;
+    f4 x;
     {
-        const f4 one_s = {1, -0.0f, -0.0f, -0.0f}, one_t = {-0.0f, 1, -0.0f, -0.0f}; /* x + -0 is x, even if x is 0 */
-        const f4 s = f4_lane(x, 0), t = f4_lane(x, 1);
-        const f4 ds = f4_fma(st, t, ss * s), dt = f4_fma(tt, t, st * s);
-        const f4 half = f4_set(0.5f), moved = f4_third(x, f4_set(leaf->middle)) - o;
-        const f4 at = f4_fma(dt, half * t, ds * (half * s)) + moved;
-        const f4_linear l = f4_solve(p, at, ds + one_s, dt + one_t);
-        f4 next = x + l.c;
-        const float error = f4_spread(&l, leaf->model_st + noise_st, leaf->model_h + noise_h);
-        const float bend = f4_spread(&l, leaf->bend_st, leaf->bend_h);
-        const float around = f4_norm(l.c) + error, turn = bend * radius;
-        const float e = turn <= 1.0f ? f4_less(radius, __builtin_fmaf(turn, around, around)) : radius;
-        const float margin = __builtin_fmaf(0.5f * bend, e * e, error);
-        const float limit = triangle ? margin + margin : margin;
-        if (limit < f4_outside(triangle, next)) return none;
-        next = f4_clamp(triangle, next);
-        radius = f4_less(limit, radius + f4_norm(next - x));
-        x = next;
+        const float room = (triangle ? 2 * EP_THIRD : EP_HALF) + leaf->side, k = leaf->bend_st * room;
+        const float ss_h = leaf->second[0][2], st_h = leaf->second[1][2], tt_h = leaf->second[2][2];
+        const float s = plane[0], t = plane[1], p_s = p[0], p_t = p[1];
+        const float g_s = f1_fma(st_h, t, ss_h * s), g_t = f1_fma(tt_h, t, st_h * s);
+        const float c0 = f1_fma(f1_fma(t, g_t, s * g_s), 0.5f, leaf->middle);
+        const float c1 = f1_fma(p_t, g_t, f1_fma(p_s, g_s, -1.0f));
+        const float c2 = f1_fma(p_t, f1_fma(tt_h, p_t, st_h * p_s), p_s * f1_fma(st_h, p_t, ss_h * p_s));
+
+        const float e_st = f1_fma(leaf->reach_st, far, noise_st), e_h = f1_fma(leaf->reach_h, far, noise_h);
+        const float p_max = f4_norm(p), high = leaf->height + e_h, along = f1_fma(p_max, high, f4_norm(plane));
+        const float terms = f1_fma(leaf->bend_h * along, along, high + high);
+        const float error = f1_fma(EP_TERMS, terms, f1_fma(leaf->bend_h * room, e_st, leaf->graph + e_h));
+
+        const float twice = c2 + c2, size = f1_abs(c2), width = f1_abs(twice) * error;
+        const float d = f1_fma(-twice, c0, c1 * c1);
+        if (d + width < 0) return none;
+        if (!(width < 0.75f * d)) return slow;
+        const float root = f1_sqrt(d), q = f1_abs(c1) + root, over = 1.0f / (q * root);
+        const float delta = (1.5f * error) * (q * over), twice_c0 = c0 + c0;
+        const float tau = ((c1 < 0 ? twice_c0 : -twice_c0) * root) * over;
+        const float about = f1_fma(p_max, delta, e_st), within = high + delta, q_2 = c1 < 0 ? q : -q;
+        const f4 u_2 = f4_fma(p, f4_set(q_2), plane * f4_set(c2));
+        if (q <= within * size && f4_norm(u_2) <= (room + about) * size) return slow;
+        f4 u = f4_fma(p, f4_set(tau), plane);
+        const float beside = leaf->side + about;
+        if (!(f1_abs(tau) <= within && f4_outside(triangle, u) <= (triangle ? beside + beside : beside))) return none;
+
+        u = f4_min(f4_max(u, f4_set(triangle ? -EP_THIRD - leaf->side : -room)), f4_set(room));
+        x = u;
+        for (int round = 0; round < 2; ++round) {
+            const float half_ss = 0.5f * (x[0] * x[0]), both = x[0] * x[1], half_tt = 0.5f * (x[1] * x[1]);
+            x = f4_fnma(tt, f4_set(half_tt), f4_fnma(st, f4_set(both), f4_fnma(ss, f4_set(half_ss), u)));
+        }
+        const float once = f1_fma(1 + k * (1 + 0.5f * k) * (1 + k), about, leaf->foot);
+        const float off = triangle ? once + once : once;
+        if (off < f4_outside(triangle, x)) return none;
+        radius = f1_min(off, 1.0f);
+        x = f4_clamp(triangle, x);
     }
 
     for (;;) {
@@ -189,12 +224,14 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         const float noise = f4_spread(&l, noise_st, noise_h);
         const float length = f4_norm(l.c), around = length + noise, turn = bend * radius;
         const bool unique = turn <= 1.0f;
-        const float e = unique ? f4_less(radius, __builtin_fmaf(turn, around, around)) : radius, ge = bend * e;
-        const float bound = 0.5f * e * __builtin_fmaf(ge * ge, __builtin_fmaf(0.25f, ge, 1.0f), warp * e);
-        const float margin = noise + bound, outside = f4_outside(triangle, found);
+        const float e = unique ? f1_min(radius, f1_fma(turn, around, around)) : radius, ge = bend * e;
+        const float bound = 0.5f * e * f1_fma(ge * ge, f1_fma(0.25f, ge, 1.0f), warp * e);
+        const float displaced = f1_fma(noise, f1_fma(0.5f, f1_fma(ge, ge, bend * noise), ge), noise);
+        const float margin = displaced + bound, outside = f4_outside(triangle, found);
         const float left = triangle ? margin + margin : margin;
         if (left < outside || radius + margin < f4_norm(step)) return none;
-        if (length <= EP_NEAR && bound <= f4_greater(noise, EP_ACCEPT * leaf->noise_st) && unique) {
+        if (length <= EP_NEAR && bound <= f1_max(noise, EP_ACCEPT * leaf->noise_st) && unique &&
+            bend * margin <= 1.0f) {
             const bool vague = EP_FLAT < noise || (EP_SHARP < left && -outside <= left);
             const f4 distance = (f4_fma(dt, step_t, f4_fma(ds, step_s, at)) + curve) * inverse;
             const float t = t_plane[0] + distance[2];

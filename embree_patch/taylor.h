@@ -1,0 +1,38 @@
+/* taylor.h - functions of (s, t) over a piece, as polynomials of the third degree and a bound on what these leave out.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Taylor models (Makino and Berz 1996): terms that cancel between functions do so in the polynomials, and what is
+ * beyond them only has to be small. Third order, because a leaf's models are of the second. */
+#ifndef EP_TAYLOR_H
+#define EP_TAYLOR_H
+
+#include <math.h>
+
+enum { EP_TAYLOR_DEGREE = 3, EP_TAYLOR_TERMS = 10 };
+
+/* c[k] s^i t^j in the order of ep_taylor_index; whatever else there is has a magnitude of at most `rest`. */
+typedef struct ep_taylor {
+    double c[EP_TAYLOR_TERMS], rest;
+} ep_taylor;
+
+/* The largest |s^i t^j| over the piece, for the terms; that of a product is at most the product of theirs. */
+typedef struct ep_monomials {
+    double max[EP_TAYLOR_TERMS];
+} ep_monomials;
+
+/* By degree, and within one by that of t. */
+static inline unsigned ep_taylor_index(unsigned i, unsigned j)
+{
+    return (i + j) * (i + j + 1) / 2 + j;
+}
+
+/* a + k b */
+ep_taylor ep_taylor_add(const ep_taylor *a, double k, const ep_taylor *b);
+ep_taylor ep_taylor_multiply(const ep_taylor *a, const ep_taylor *b, const ep_monomials *m);
+/* `low` > 0 is no larger than any |b|. */
+ep_taylor ep_taylor_divide(const ep_taylor *a, const ep_taylor *b, double low, const ep_monomials *m);
+/* A bound on |a|. */
+double ep_taylor_bound(const ep_taylor *a, const ep_monomials *m);
+
+#endif
