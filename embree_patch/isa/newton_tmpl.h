@@ -248,14 +248,17 @@ EP_INLINE X(step) X(advance)(const ep_leaf *leaf, X(visit) * v, int triangle, co
     const X(m) unique = X(le)(turn, one);
     const X(f) e = X(select)(unique, X(min)(v->radius, X(fma)(turn, way, way)), v->radius), ge = bend * e;
     const X(f) bound = half * e * X(fma)(ge * ge, X(fma)(X(set)(0.25f), ge, one), warp * e);
-    const X(f) margin = noise + bound, outside = X(outside)(triangle, r.s, r.t);
+    const X(f) displaced = X(fma)(noise, X(fma)(half, X(fma)(ge, ge, bend * noise), ge), noise);
+    const X(f) margin = displaced + bound, outside = X(outside)(triangle, r.s, r.t);
     /* errors add up in s + t, and in clamping to the triangle */
     r.radius = triangle ? margin + margin : margin;
     /* no root in D, or none in the neighbourhood */
     const X(m) miss =
         X(or)(X(lt)(r.radius, outside), X(lt)(v->radius + margin, X(max)(X(abs)(r.step_s), X(abs)(r.step_t))));
     const X(m) near = X(le)(bound, X(max)(noise, X(set)(EP_ACCEPT * leaf->noise_st)));
-    const X(m) done = X(and)(X(and)(X(le)(length, X(set)(EP_NEAR)), near), unique);
+    /* from c', too, Newton's method in double goes to this root: rounding may have displaced it by more than e */
+    const X(m) sure = X(and)(unique, X(le)(bend * margin, one));
+    const X(m) done = X(and)(X(and)(X(le)(length, X(set)(EP_NEAR)), near), sure);
     r.vague =
         X(or)(X(lt)(X(set)(EP_FLAT), noise), X(and)(X(lt)(X(set)(EP_SHARP), r.radius), X(le)(-outside, r.radius)));
     const X(m) shrinks = X(lt)(r.radius, X(set)(0.75f) * v->radius);
