@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint64_t ray_count = 100000, seed = 1;
+static uint64_t ray_count = 40000, seed = 1;
 enum { RAYS_OF_PATCH = 50 };
 
 /* What the kernels promise of a hit (newton_tmpl.h), as numbers of their own: half of what they say must fail here. */
@@ -63,9 +63,9 @@ static void ray_to_leaf(visit *v)
 static bool find(const visit *v, double s, double t, double k, root *r)
 {
     const double start[2] = {s, t};
-    double far = 0, step = INFINITY, last;
+    double far = 0, step = INFINITY;
     for (int row = 0; row < 3; ++row) far = fmax(far, 1e-2 * piece_noise(&v->piece, row) + 1e-15 * fabs(v->o[row]));
-    for (int i = 0; i < 12; ++i) {
+    for (int i = 0; i < 12 && step > 1e-13; ++i) {
         const piece_jet j = piece_at(&v->piece, s, t);
         double f[3], n[3], x[3], y[3];
         for (int c = 0; c < 3; ++c) f[c] = v->o[c] + k * v->d[c] - j.at[c];
@@ -81,14 +81,13 @@ static bool find(const visit *v, double s, double t, double k, root *r)
             ds += x[c] * f[c], dt += y[c] * f[c], dk -= n[c] * f[c];
             size += fabs(x[c]) + fabs(y[c]);
         }
-        last = step;
         step = fmax(fabs(ds), fabs(dt)) / fabs(det);
         r->exact = far * size / fabs(det);
         s += ds / det, t += dt / det, k += dk / det;
         if (!(fabs(s - start[0]) < 0.1 && fabs(t - start[1]) < 0.1)) return false;
         r->jet = j;
     }
-    *r = (root){s, t, k, fmax(r->exact, 4 * fmax(step, last)), r->jet};
+    *r = (root){s, t, k, fmax(r->exact, 4 * step), r->jet};
     return r->exact < 1e-6;
 }
 
