@@ -164,8 +164,9 @@ static void round_frame(frame *f, ep_leaf *leaf)
         leaf->frame[0][c] = (float)f->row[c].x;
         leaf->frame[1][c] = (float)f->row[c].y;
         leaf->frame[2][c] = (float)f->row[c].z;
-        f->row[c] = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
     }
+    /* in a loop of its own: where gcc 12 vectorizes both together at -O2, it reads back what was not yet rounded */
+    for (int c = 0; c < 3; ++c) f->row[c] = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
     const double det = ep_dot(f->row[0], ep_cross(f->row[1], f->row[2]));
     for (int c = 0; c < 3; ++c) f->column[c] = ep_scale(1 / det, ep_cross(f->row[(c + 1) % 3], f->row[(c + 2) % 3]));
 }
@@ -317,18 +318,18 @@ static void model(const ep_fit *f, const bounds b[3], const weight *w, double lo
     left.c[0] -= leaf->middle;
     leaf->graph = ep_round_up(ep_taylor_bound(&left, &m) + lost);
 
-    ep_taylor x[2] = {surface[0], surface[1]};
+    const ep_taylor m_u[2] = {half_form(leaf, 0, squares), half_form(leaf, 1, squares)};
+    ep_taylor products[2][2];
+    for (int k = 0; k < 4; ++k) products[k / 2][k % 2] = ep_taylor_multiply(&surface[k / 2], &m_u[k % 2], &m);
     double foot = 0;
-    for (int round = 0; round < 2; ++round) {
-        square(x, &m, squares);
-        for (int c = 0; c < 2; ++c) {
-            const ep_taylor moved = half_form(leaf, c, squares);
-            x[c] = ep_taylor_add(&surface[c], -1, &moved);
-        }
-    }
     for (unsigned c = 0; c < 2; ++c) {
-        x[c].c[ep_taylor_index(1 - c, c)] -= 1;
-        foot = fmax(foot, ep_taylor_bound(&x[c], &m));
+        ep_taylor x = ep_taylor_add(&surface[c], -1, &m_u[c]);
+        x = ep_taylor_add(&x, leaf->second[0][c], &products[0][0]);
+        x = ep_taylor_add(&x, leaf->second[1][c], &products[0][1]);
+        x = ep_taylor_add(&x, leaf->second[1][c], &products[1][0]);
+        x = ep_taylor_add(&x, leaf->second[2][c], &products[1][1]);
+        x.c[ep_taylor_index(1 - c, c)] -= 1;
+        foot = fmax(foot, ep_taylor_bound(&x, &m));
     }
     /* and what the kernels' arithmetic adds to two dozen terms below this */
     leaf->foot = ep_round_up(foot + lost + 32 * EP_EPS_F * (1 + ep_mag(b[0].value) + ep_mag(b[1].value)));

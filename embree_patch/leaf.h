@@ -42,7 +42,8 @@
  *     |x* - c'| <= b' = W e² / 2 + (G e)² (1 + G e / 4) e / 2,    W like G with `warp`, the Lipschitz constants of
  *                                                                 D(r - model),
  *
- * for (x*-y)² and (c-y)² differ by at most |x*-c| (2 |x*-y| + |x*-c|).
+ * for (x*-y)² and (c-y)² differ by at most |x*-c| (2 |x*-y| + |x*-c|). When rounding displaces c by n, |x*-c| grows by
+ * n, and c' is displaced by n (1 + G e + ((G e)² + G n) / 2).
  *
  * Where b is not smaller than e the ray is nearly tangent to the leaf; cells along its way (isa/cells_tmpl.h) and then
  * subdivision (solve.c) take over. The test uses the tangents where the ray is, not their range over the leaf, and the

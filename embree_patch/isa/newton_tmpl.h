@@ -163,7 +163,7 @@ EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d
 EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o)
 {
     const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f);
-    const float extent = triangle ? 2 * EP_THIRD : EP_HALF, reach = extent + leaf->side, k = leaf->bend_st * reach;
+    const float extent = triangle ? 2 * EP_THIRD : EP_HALF, reach = extent + leaf->side;
     v->o = o;
     v->noise_st = w_fma(w_set(leaf->reach_st), v->way, w_set(leaf->noise_st));
     v->noise_h = w_fma(w_set(leaf->reach_h), v->way, w_set(leaf->noise_h));
@@ -192,33 +192,30 @@ EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o)
     const w_f q_2 = w_select(falls, q, -q), about = w_fma(p_max, delta, e_st), within = high + delta;
     const w_f u_2 = w_max(w_abs(w_fma(v->p_s, q_2, s * c2)), w_abs(w_fma(v->p_t, q_2, t * c2)));
     const w_m second = w_and(w_le(q, within * size), w_le(u_2, (w_set(reach) + about) * size));
-    w_f u_s = w_fma(v->p_s, tau, s), u_t = w_fma(v->p_t, tau, t);
-    const w_f beside = w_set(leaf->side) + about;
+    const w_f u_s = w_fma(v->p_s, tau, s), u_t = w_fma(v->p_t, tau, t), beside = w_set(leaf->side) + about;
     const w_m first =
         w_and(w_le(w_abs(tau), within), w_le(w_outside(triangle, u_s, u_t), triangle ? beside + beside : beside));
     const w_m left = w_andnot(v->live, none), slow = w_or(w_and(left, second), w_andnot(left, clear));
     v->slow = w_or(v->slow, slow);
 
-    /* no foot is farther out */
-    const w_f low = w_set(triangle ? -EP_THIRD - leaf->side : -reach), limit = w_set(reach);
-    u_s = w_min(w_max(u_s, low), limit);
-    u_t = w_min(w_max(u_t, low), limit);
-    v->s = u_s;
-    v->t = u_t;
-    for (int round = 0; round < 2; ++round) {
-        const w_f half_ss = half * (v->s * v->s), both = v->s * v->t, half_tt = half * (v->t * v->t);
-        w_f x[2] = {u_s, u_t};
-        for (int c = 0; c < 2; ++c)
-            x[c] = w_fnma(w_set(leaf->second[2][c]), half_tt,
-                          w_fnma(w_set(leaf->second[1][c]), both, w_fnma(w_set(leaf->second[0][c]), half_ss, x[c])));
-        v->s = x[0];
-        v->t = x[1];
+    w_f h_s[2], h_t[2], m[2], x[2];
+    for (int c = 0; c < 2; ++c) {
+        const w_f r_ss = w_set(leaf->second[0][c]), r_st = w_set(leaf->second[1][c]), r_tt = w_set(leaf->second[2][c]);
+        h_s[c] = w_fma(r_st, u_t, r_ss * u_s);
+        h_t[c] = w_fma(r_tt, u_t, r_st * u_s);
+        m[c] = w_fma(h_t[c], half * u_t, h_s[c] * (half * u_s));
     }
-    const w_f off = w_fma(w_set(1 + k * (1 + 0.5f * k) * (1 + k)), about, w_set(leaf->foot));
-    v->radius = w_min(triangle ? off + off : off, one);
-    v->live =
-        w_andnot(w_andnot(w_and(left, first), slow), w_lt(triangle ? off + off : off, w_outside(triangle, v->s, v->t)));
-    w_clamp(triangle, &v->s, &v->t);
+    x[0] = w_fma(h_s[0], m[0], w_fma(h_t[0], m[1], u_s - m[0]));
+    x[1] = w_fma(h_s[1], m[0], w_fma(h_t[1], m[1], u_t - m[1]));
+    /* the triangle's corner is where both coordinates of a foot are farthest out */
+    const w_f k = w_set(leaf->bend_st) * w_fma(w_set(triangle ? 4.0f : 1.0f), beside, w_set(extent));
+    const w_f once = w_fma(w_fma(w_fma(w_set(1.5f), k, one), k, one), about, w_set(leaf->foot));
+    const w_f off = triangle ? once + once : once;
+    v->live = w_andnot(w_andnot(w_and(left, first), slow), w_lt(off, w_outside(triangle, x[0], x[1])));
+    v->radius = w_min(off, one);
+    w_clamp(triangle, &x[0], &x[1]);
+    v->s = x[0];
+    v->t = x[1];
 }
 
 /* The surface's own jet, and with it the improved Newton point c' and what follows from it. Lanes that it decides leave

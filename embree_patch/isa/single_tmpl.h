@@ -166,7 +166,7 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
     float radius;
     f4 x;
     {
-        const float room = (triangle ? 2 * EP_THIRD : EP_HALF) + leaf->side, k = leaf->bend_st * room;
+        const float extent = triangle ? 2 * EP_THIRD : EP_HALF, room = extent + leaf->side;
         const float ss_h = leaf->second[0][2], st_h = leaf->second[1][2], tt_h = leaf->second[2][2];
         const float s = plane[0], t = plane[1], p_s = p[0], p_t = p[1];
         const float g_s = f1_fma(st_h, t, ss_h * s), g_t = f1_fma(tt_h, t, st_h * s);
@@ -189,17 +189,16 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         const float about = f1_fma(p_max, delta, e_st), within = high + delta, q_2 = c1 < 0 ? q : -q;
         const f4 u_2 = f4_fma(p, f4_set(q_2), plane * f4_set(c2));
         if (q <= within * size && f4_norm(u_2) <= (room + about) * size) return slow;
-        f4 u = f4_fma(p, f4_set(tau), plane);
+        const f4 u = f4_fma(p, f4_set(tau), plane);
         const float beside = leaf->side + about;
         if (!(f1_abs(tau) <= within && f4_outside(triangle, u) <= (triangle ? beside + beside : beside))) return none;
 
-        u = f4_min(f4_max(u, f4_set(triangle ? -EP_THIRD - leaf->side : -room)), f4_set(room));
-        x = u;
-        for (int round = 0; round < 2; ++round) {
-            const float half_ss = 0.5f * (x[0] * x[0]), both = x[0] * x[1], half_tt = 0.5f * (x[1] * x[1]);
-            x = f4_fnma(tt, f4_set(half_tt), f4_fnma(st, f4_set(both), f4_fnma(ss, f4_set(half_ss), u)));
-        }
-        const float once = f1_fma(1 + k * (1 + 0.5f * k) * (1 + k), about, leaf->foot);
+        const f4 u_s = f4_lane(u, 0), u_t = f4_lane(u, 1), half = f4_set(0.5f);
+        const f4 h_s = f4_fma(st, u_t, ss * u_s), h_t = f4_fma(tt, u_t, st * u_s);
+        const f4 m_u = f4_fma(h_t, half * u_t, h_s * (half * u_s));
+        x = f4_fma(h_s, f4_lane(m_u, 0), f4_fma(h_t, f4_lane(m_u, 1), u - m_u));
+        const float k = leaf->bend_st * f1_fma(triangle ? 4.0f : 1.0f, beside, extent);
+        const float once = f1_fma(f1_fma(f1_fma(1.5f, k, 1.0f), k, 1.0f), about, leaf->foot);
         const float off = triangle ? once + once : once;
         if (off < f4_outside(triangle, x)) return none;
         radius = f1_min(off, 1.0f);

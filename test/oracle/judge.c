@@ -8,7 +8,7 @@
 const char *const judge_names[JUDGE_VERDICTS] = {"right",   "left out",    "missed",      "extra",
                                                  "wrong t", "wrong place", "wrong normal"};
 
-const judge_limits judge_usual = {.t = 2e-5, .distance = 1e-5, .place = 2e-5, .degrees = 0.25};
+const judge_limits judge_usual = {.t = 2e-5, .distance = 2e-6, .place = 2e-5, .degrees = 0.25};
 
 static double length(const double a[3])
 {

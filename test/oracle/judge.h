@@ -34,7 +34,7 @@ typedef struct judge_limits {
     double degrees;     /* of the normal                                                  */
 } judge_limits;
 
-extern const judge_limits judge_usual; /* 2e-5, 1e-5, 2e-5, 0.25 */
+extern const judge_limits judge_usual; /* 2e-5, 2e-6, 2e-5, 0.25 */
 
 typedef struct judge_errors {
     double t; /* relative to t plus the patch's radius */
