@@ -234,6 +234,10 @@ static EPStatus keep_grid(keeper *k, const ep_trim_part *part, const ep_trim_dom
         if (n[axis] == GRID_MOST_SIDE) break;
         n[axis] *= 2, ++f.depth;
     }
+    /* a piece is in about as many cells as it is long, and one more for either coordinate */
+    const double length = ep_trim_part_length(k->trim, part->words, hypot(size[0], size[1]));
+    *kept = (double)part->pieces + 2 * length / fmin(size[0] / n[0], size[1] / n[1]) <= 2 * f.room;
+    if (!*kept) return EP_OK;
     uint32_t head[EP_GRID_HEAD] = {EP_NODE_GRID};
     for (int c = 0; c < 2; ++c) f.grid.per_unit[c] = n[c] / size[c];
     memcpy(head + 1, f.grid.lo, sizeof f.grid.lo);
