@@ -451,11 +451,8 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
 /* Steps after which Newton's from a root that is right to 2^-8 are at the rounding of doubles, with one to spare. */
 enum { POLISH_STEPS = 4 };
 
-/* Neighbouring patches that share their border find a root there on both sides but for this, a thousand times what
- * doubles err by. */
-static const double border = 0x1p-36;
-
-ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5])
+ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5],
+                      double exact[2])
 {
     line l;
     if (!make_line(patch, org, dir, &l)) return EP_POLISHED_LOST;
@@ -482,7 +479,8 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
     }
     if (!(step <= 0x1p-26)) return EP_POLISHED_LOST; /* a double root, nearly */
     *t = (float)(l.t0 + k);
-    if (outside(triangle, u, v) > border) return EP_POLISHED_AWAY;
+    exact[0] = u, exact[1] = v;
+    if (outside(triangle, u, v) > EP_BORDER) return EP_POLISHED_AWAY;
     field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;
     field[3] = (float)fmin(fmax(u, 0), 1);
     field[4] = (float)fmin(fmax(v, 0), triangle ? 1 - field[3] : 1);

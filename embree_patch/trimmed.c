@@ -13,8 +13,8 @@
 
 _Static_assert((int)EP_TRIMMED_PARTS >= (int)EP_SPLIT_MOST, "room for every split");
 
-/* Four roundings of u, v to float: curves along a border, or along a straight cut, cross nothing. */
-static const double seam = 0x1p-22;
+/* Curves along a border, or along a straight cut, cross nothing; what a leaf loses there is not missed (EP_BORDER). */
+static const double seam = 0x1p-38;
 
 /* What share of the patch's domain a crossed leaf may cover; smaller ones gain less than another level costs. The time
  * of the point test plays no part: a ray that passes through what was cut away pays for finding the root, which takes
@@ -30,8 +30,9 @@ static const double crowded = 0.2;
  * about six parts, which is 2.6 halvings, of 1.4 ns in packets and 3.7 ns for single rays. */
 static const double split_cost = 8;
 
-/* The least height of a triangle over its longest side. Where the parametrisation is less even, triangles are not that
- * slender: what bends along one is divided by its height, and rays that such a leaf cannot decide are dear. */
+/* The least height of a triangle over its longest side, and of a rectangle over its width. Where the parametrisation is
+ * less even, triangles are not that slender: what bends along one is divided by its height, and rays that such a leaf
+ * cannot decide are dear. */
 static const double thinnest = 0.04;
 
 /* Cuts of rectangles are multiples of it: floats, like their differences. */
@@ -67,10 +68,12 @@ bool ep_trimmed_wants_split(const ep_trim *trim, const ep_trim_part *part, ep_ki
     /* of the unit square or the unit triangle */
     const double share = fabs(d->uu * d->vv - d->uv * d->vu);
     if (share < smallest) return false;
+    const ep_trim_domain domain = ep_trimmed_domain(kind, d);
+    /* curves that come from so far away that no part could be told to be clear of them */
+    if (ep_domain_rounding(&domain, trim->scale) > 0x1p-6 * sqrt(share)) return false;
     if (way == EP_TRIM_SPLIT_REGULAR) return true;
     if (is_crowded(trim, part, d, share)) return false;
     if (way != EP_TRIM_SPLIT_COST) return true;
-    const ep_trim_domain domain = ep_trimmed_domain(kind, d);
     return ep_trim_expect(trim, part, &domain, &ep_trim_usual_costs) > split_cost;
 }
 
@@ -96,7 +99,7 @@ static unsigned split_rectangle(const ep_trim *trim, const ep_trim_part *part, c
     const ep_point2 lo = {d->u0, d->v0}, hi = {d->u0 + d->uu, d->v0 + d->vv};
     int axis = d->vv > d->uu;
     double at = 0.5 * (lo[axis] + hi[axis]);
-    if (way != EP_TRIM_SPLIT_REGULAR) ep_trim_split_rectangle(trim, part, lo, hi, &axis, &at);
+    if (way != EP_TRIM_SPLIT_REGULAR) ep_trim_split_rectangle(trim, part, lo, hi, thinnest, &axis, &at);
     at = grid * rint(at / grid);
     if (!(lo[axis] < at && at < hi[axis])) at = lo[axis] + 0.5 * (hi[axis] - lo[axis]);
     parts[0] = parts[1] = *d;

@@ -640,7 +640,7 @@ def test_verify_trims():
     spline = {"nurbs": {"degree": 2, "knots": [0, 0, 0, 1, 2, 3, 3, 3],
                         "points": [[.7, .5], [.7, .8, 2], [.3, .8], [.3, .2, .5], [.7, .5]]}}
     trims = [HOLE, {"loops": [{"polygon": {"segments": [{"line": [[.1, .1], [.9, .1], [.5, .9]]}]}},
-                              {"polygon": {"segments": [spline]}}]},
+                              {"segments": [spline]}]},
              {"intersection": [{"polygon": {"segments": [spline], }}, {"square": {}, "transform": [.4, .1, -.1, .4, .3, .3]}]}]
     geometry = [dict(g, name=f"{g['name']}{i}", trim=t) for g in (SADDLE, TRIANGLE) for i, t in enumerate(trims)]
     r = Run("verify", write("trims.json", scene(*geometry)), "--rays", "1200", "--isa", "plain")
@@ -680,6 +680,10 @@ def odd_trims():
     yield {"circle": {}, "transform": [.1, 0, 0, .1, 5, 5]}
 
 
+def polygon_from_afar():
+    return {"polygon": {"segments": [{"line": [[.2, .2], [1e100, .3], [.2, .8]]}]}}
+
+
 def test_odd_trims():
     geometry = [dict(g, name=f"{g['name']}{i}", trim=t) for i, t in enumerate(odd_trims()) for g in (SADDLE, TRIANGLE)]
     name = write("odd.json", scene(*geometry))
@@ -689,6 +693,12 @@ def test_odd_trims():
     for args in (("info", nothing), ("render", nothing, "-o", "nothing.png", "--size", "16x16")):
         works(Run(*args))
     check([h[0] for h in trace(nothing, [down(.2, .2)])] == [math.inf], "a patch that is trimmed away is hit")
+    # where nothing can be told of a part, the patch is not divided in vain
+    for kind in (SADDLE, TRIANGLE):
+        r = Run("info", write("far.json", scene(dict(kind, trim=polygon_from_afar()))), "--json")
+        if works(r):
+            leaves = json.loads(r.out)["geometries"][0]["leaves"]
+            check(leaves < 100, f"{leaves} leaves")
 
 
 def test_bench_trims():

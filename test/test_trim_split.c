@@ -88,7 +88,7 @@ static void walk_rectangle(walk *w, const ep_point2 lo, const ep_point2 hi, cons
         CHECK(depth < 60, "case %u", w->number);
         int axis;
         double at;
-        ep_trim_split_rectangle(w->trim, &part, lo, hi, &axis, &at);
+        ep_trim_split_rectangle(w->trim, &part, lo, hi, 0.04, &axis, &at);
         CHECK(at > lo[axis] && at < hi[axis], "case %u", w->number);
         const ep_point2 left = {axis ? hi[0] : at, axis ? at : hi[1]}, right = {axis ? lo[0] : at, axis ? at : lo[1]};
         walk_rectangle(w, lo, left, &part, depth + 1);

@@ -182,6 +182,21 @@ static trim_shape *keep_shape(const json_reader *r, trim_shape *parent, shape_ki
     return NULL;
 }
 
+/* A loop that is written without the word "polygon", which it has to be: {"segments": [...]}. */
+static bool read_bare_loop(const json_reader *r, const json_node *n, EPRegion region, trim_shape *parent)
+{
+    trim_shape *shape = keep_shape(r, parent, SHAPE_POLYGON, NULL);
+    return shape && check(r, n, region, epBeginRegion(region, EP_POLYGON, NULL)) && read_polygon(r, n, region, shape) &&
+           check(r, n, region, epEndRegion(region));
+}
+
+static bool read_region(const json_reader *r, const json_node *n, EPRegion region, trim_shape *parent);
+
+static bool read_loop(const json_reader *r, const json_node *n, EPRegion region, trim_shape *parent)
+{
+    return (json_object_get(n->json, "segments") ? read_bare_loop : read_region)(r, n, region, parent);
+}
+
 static bool read_region(const json_reader *r, const json_node *n, EPRegion region, trim_shape *parent)
 {
     /* in the order of shape_kind, and those before "square" in that of EPRegionKind */
@@ -202,8 +217,9 @@ static bool read_region(const json_reader *r, const json_node *n, EPRegion regio
                      kind == SQUARE ? epAddRegionSquare(region, transform) : epAddRegionCircle(region, transform));
     }
     if (!check(r, n, region, epBeginRegion(region, (EPRegionKind)kind, transform))) return false;
-    if (kind == EP_POLYGON ? !read_polygon(r, &value, region, shape)
-                           : !read_all(r, &value, keys[kind], region, shape, read_region))
+    if (kind == EP_POLYGON
+            ? !read_polygon(r, &value, region, shape)
+            : !read_all(r, &value, keys[kind], region, shape, kind == EP_LOOPS ? read_loop : read_region))
         return false;
     return check(r, n, region, epEndRegion(region));
 }

@@ -36,7 +36,7 @@ ep_strip ep_strip_around(const ep_point2 *p, unsigned count)
         xx += dx * dx, xy += dx * dy, yy += dy * dy;
     }
     const double angle = 0.5 * atan2(2 * xy, xx - yy);
-    ep_strip s = {.n = {(float)-sin(angle), (float)cos(angle)}};
+    ep_strip s = {.n = {-sin(angle), cos(angle)}};
     ep_strip_extent(s.n, p, count, &s.lo, &s.hi);
     return s;
 }

@@ -24,7 +24,7 @@ typedef struct ep_strip {
     double n[2], lo, hi;
 } ep_strip;
 
-/* Around the points, across their principal axis; n is made of floats. */
+/* Around the points, across their principal axis. */
 ep_strip ep_strip_around(const ep_point2 *p, unsigned count);
 void ep_strip_extent(const double n[2], const ep_point2 *p, unsigned count, double *lo, double *hi);
 

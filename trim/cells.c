@@ -6,7 +6,9 @@
  * enters it, so it is inside or outside as a whole, however many curves and operators there are. In a sliver along a
  * trim curve nearly all points are decided by this.
  *
- * Cells: a part of many pieces is halved along u or v, whichever duplicates fewer pieces, as long as the stored lists
+ * Cells: a rectangle with many pieces becomes a grid with more cells than pieces, most of them empty: two products and
+ * a word of memory decide nearly every point, however many curves there are. Where pieces are too long for that, or the
+ * domain is no rectangle, it is halved along u or v, whichever duplicates fewer pieces. Either way the stored lists
  * stay within a multiple of the pieces: memory is linear in their number. */
 #include "trim/arcs.h"
 #include "trim/node.h"
@@ -16,7 +18,7 @@
 /* Lists that are not worth a split: testing a piece costs about as much as passing a split. */
 enum { FEW_PIECES = 3 };
 /* Entries of the stored lists for each piece of the part. */
-static const double most_copies = 8;
+static const double most_copies = 12;
 
 typedef struct keeper {
     const ep_trim *trim;
@@ -50,13 +52,14 @@ static void find_strip(keeper *k, const ep_trim_part *part, const ep_trim_domain
     const ep_trim_domain settled = ep_domain_settle(d, k->trim->scale);
     if (!ep_arcs_find(k->trim, part, &settled, &arcs) || !arcs.count) return;
     const ep_strip strip = ep_strip_around(arcs.point, arcs.count);
-    const double *n = strip.n;
-    double all_lo, all_hi;
+    float f[4] = {(float)strip.n[0], (float)strip.n[1]};
+    const double n[2] = {f[0], f[1]};
+    double lo, hi, all_lo, all_hi;
+    ep_strip_extent(n, arcs.point, arcs.count, &lo, &hi);
     ep_strip_extent(n, d->corner, d->count, &all_lo, &all_hi);
-    float f[4] = {(float)n[0], (float)n[1]};
     const double rounding = 2 * ep_domain_rounding(d, k->trim->scale); /* here and in the test */
-    f[2] = ep_round_down(strip.lo - rounding);
-    f[3] = ep_round_up(strip.hi + rounding);
+    f[2] = ep_round_down(lo - rounding);
+    f[3] = ep_round_up(hi + rounding);
     *share = (fmin(f[3], all_hi) - fmax(f[2], all_lo)) / (all_hi - all_lo);
     if (!(*share < 0.75)) {
         *share = 1;
@@ -151,15 +154,118 @@ static EPStatus choose(keeper *k, const ep_trim_part *part, const ep_trim_domain
     return EP_OK;
 }
 
+/* Fewer pieces than that are no work for a grid; each gets so many of its cells, which costs as much memory as it has
+ * itself. */
+enum { GRID_PIECES = 12, GRID_CELLS = 8, GRID_MOST_SIDE = 1 << 12 };
+
 static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, double most, unsigned depth);
 
-static EPStatus keep_halves(keeper *k, halving *h, double most, unsigned depth)
+typedef struct filler {
+    keeper *keeper;
+    size_t head; /* of the node */
+    ep_grid grid;
+    double margin, room; /* room: entries that may still be stored */
+    unsigned depth;
+} filler;
+
+static bool is_rectangle(const ep_trim_domain *d)
 {
+    if (d->count != 4) return false;
+    for (int i = 0; i < 4; ++i) {
+        const double *a = d->corner[i], *b = d->corner[(i + 1) % 4];
+        if ((a[0] == b[0]) == (a[1] == b[1])) return false;
+    }
+    return true;
+}
+
+static double edge_of(const filler *f, int axis, uint32_t i)
+{
+    return f->grid.lo[axis] + i / f->grid.per_unit[axis];
+}
+
+/* Cells from[] to to[] - 1 of either axis; `part` is what is in them. Ends early when there is no room. */
+static EPStatus fill(filler *f, const ep_trim_part *part, const uint32_t from[2], const uint32_t to[2])
+{
+    keeper *k = f->keeper;
+    const uint32_t nu = to[0] - from[0], nv = to[1] - from[1];
+    const size_t cells = f->head + EP_GRID_HEAD;
+    if (part->state != EP_TRIM_CROSSED) {
+        for (uint32_t j = from[1]; j < to[1]; ++j)
+            for (uint32_t i = from[0]; i < to[0]; ++i)
+                k->store->words[cells + j * f->grid.count[0] + i] = part->state == EP_TRIM_INSIDE;
+        return EP_OK;
+    }
+    if (nu == 1 && nv == 1) {
+        f->room -= (double)part->pieces;
+        if (f->room < 0) return EP_OK;
+        k->store->words[cells + from[1] * f->grid.count[0] + from[0]] = (uint32_t)(k->store->count - f->head);
+        const ep_trim_domain d = ep_domain_rectangle(edge_of(f, 0, from[0]), edge_of(f, 0, to[0]),
+                                                     edge_of(f, 1, from[1]), edge_of(f, 1, to[1]), f->margin);
+        return keep(k, part, &d, 2 * (double)part->pieces, f->depth);
+    }
+    const int axis = nv > nu;
+    EPStatus s = EP_OK;
+    for (int i = 0; i < 2 && !s && f->room >= 0; ++i) {
+        uint32_t a[2] = {from[0], from[1]}, b[2] = {to[0], to[1]};
+        *(i ? &a[axis] : &b[axis]) = (from[axis] + to[axis]) / 2;
+        const ep_trim_domain d = ep_domain_rectangle(edge_of(f, 0, a[0]), edge_of(f, 0, b[0]), edge_of(f, 1, a[1]),
+                                                     edge_of(f, 1, b[1]), f->margin);
+        ep_trim_part half;
+        s = ep_trim_cut(k->trim, part, &d, &half, k->message);
+        if (!s) s = fill(f, &half, a, b);
+        ep_trim_part_free(&half);
+    }
+    return s;
+}
+
+/* `kept` is false when long pieces would be in too many cells. Half of the entries may stand in cells, so that each
+ * cell may have twice as many when it is divided further. */
+static EPStatus keep_grid(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, double most, unsigned depth,
+                          bool *kept)
+{
+    filler f = {.keeper = k, .head = k->store->count, .margin = d->margin, .room = most / 2, .depth = depth};
+    ep_point2 hi;
+    ep_domain_bounds(d, f.grid.lo, hi);
+    const double size[2] = {hi[0] - f.grid.lo[0], hi[1] - f.grid.lo[1]};
+    uint32_t *n = f.grid.count;
+    n[0] = n[1] = 1;
+    while ((size_t)n[0] * n[1] * 2 <= GRID_CELLS * part->pieces) {
+        const int axis = size[1] / n[1] > size[0] / n[0];
+        if (n[axis] == GRID_MOST_SIDE) break;
+        n[axis] *= 2, ++f.depth;
+    }
+    /* a piece is in about as many cells as it is long, and one more for either coordinate */
+    const double length = ep_trim_part_length(k->trim, part->words, hypot(size[0], size[1]));
+    *kept = (double)part->pieces + 2 * length / fmin(size[0] / n[0], size[1] / n[1]) <= 2 * f.room;
+    if (!*kept) return EP_OK;
+    uint32_t head[EP_GRID_HEAD] = {EP_NODE_GRID};
+    for (int c = 0; c < 2; ++c) f.grid.per_unit[c] = n[c] / size[c];
+    memcpy(head + 1, f.grid.lo, sizeof f.grid.lo);
+    memcpy(head + 5, f.grid.per_unit, sizeof f.grid.per_unit);
+    head[9] = n[0] | n[1] << 16;
+    EPStatus s = put(k, EP_GRID_HEAD, head);
+    for (uint32_t j = 0; j < n[1] && !s; ++j)
+        for (uint32_t i = 0; i < n[0] && !s; ++i) s = put(k, 1, (const uint32_t[]){0});
+    if (!s) s = fill(&f, part, (const uint32_t[]){0, 0}, n);
+    *kept = f.room >= 0;
+    if (*kept && !s) set_size(k, f.head);
+    else k->store->count = f.head;
+    return s;
+}
+
+/* `kept` is false when halving does not sort the pieces. */
+static EPStatus keep_halves(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, double most, unsigned depth,
+                            bool *kept)
+{
+    halving h;
     const size_t head = k->store->count;
-    EPStatus s = put(k, 2, (const uint32_t[]){EP_NODE_SPLIT | (h->axis ? EP_NODE_BIT4 : 0), ep_node_from_float(h->at)});
-    const double each = most / fmax((double)total(h), 1);
+    EPStatus s = choose(k, part, d, most, &h, kept);
+    if (s || !*kept) return s;
+    s = put(k, 2, (const uint32_t[]){EP_NODE_SPLIT | (h.axis ? EP_NODE_BIT4 : 0), ep_node_from_float(h.at)});
+    const double each = most / fmax((double)total(&h), 1);
     for (int i = 0; i < 2 && !s; ++i)
-        s = keep(k, &h->part[i], &h->domain[i], each * (double)pieces_of(&h->part[i]), depth + 1);
+        s = keep(k, &h.part[i], &h.domain[i], each * (double)pieces_of(&h.part[i]), depth + 1);
+    free_halving(&h);
     if (!s) set_size(k, head);
     return s;
 }
@@ -176,17 +282,11 @@ static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_trim_domain *
     double share;
     find_strip(k, part, d, strip, &share);
     EPStatus s = share < 1 ? put(k, 5, strip) : EP_OK;
-    if (s) return s;
-    halving h;
-    bool halved = false;
-    if (share * (double)part->pieces > FEW_PIECES && depth < k->most_depth) s = choose(k, part, d, most, &h, &halved);
-    if (s) return s;
-    if (halved) {
-        s = keep_halves(k, &h, most, depth);
-        free_halving(&h);
-    } else {
-        s = put(k, ep_node_size(*part->words), part->words);
-    }
+    const bool many = share * (double)part->pieces > FEW_PIECES && depth < k->most_depth;
+    bool kept = false;
+    if (!s && many && part->pieces >= GRID_PIECES && is_rectangle(d)) s = keep_grid(k, part, d, most, depth, &kept);
+    if (!s && many && !kept) s = keep_halves(k, part, d, most, depth, &kept);
+    if (!s && !kept) s = put(k, ep_node_size(*part->words), part->words);
     if (!s && share < 1) set_size(k, head);
     return s;
 }

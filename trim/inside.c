@@ -62,6 +62,12 @@ static uint32_t in_list(const points *p, uint32_t mask, const uint32_t *node)
     return in;
 }
 
+static uint32_t cell_of(const uint32_t *node, double x, double y)
+{
+    const ep_grid g = ep_node_grid(node);
+    return node[EP_GRID_HEAD + ep_grid_at(&g, 1, y) * g.count[0] + ep_grid_at(&g, 0, x)];
+}
+
 /* One point: no lanes to keep apart. */
 static bool test_one(const ep_trim *t, const uint32_t *node, double x, double y)
 {
@@ -69,6 +75,7 @@ static bool test_one(const ep_trim *t, const uint32_t *node, double x, double y)
         const uint32_t *end = node + ep_node_size(*node);
         bool any;
         double h;
+        uint32_t cell;
         switch (ep_node_kind_of(*node)) {
         case EP_NODE_LIST: return ep_list_has(t, node, x, y);
         case EP_NODE_ANY:
@@ -93,9 +100,26 @@ static bool test_one(const ep_trim *t, const uint32_t *node, double x, double y)
                 return false;
             node += 5;
             break;
+        case EP_NODE_GRID:
+            cell = cell_of(node, x, y);
+            if (cell <= 1) return cell;
+            node += cell;
+            break;
         case EP_NODE_CONST: return *node & EP_NODE_BIT3;
         }
     }
+}
+
+static uint32_t in_grid(const points *p, uint32_t mask, const uint32_t *node)
+{
+    uint32_t in = 0;
+    for (; mask; mask &= mask - 1) {
+        const int i = __builtin_ctz(mask);
+        const double x = p->x[0][i], y = p->x[1][i];
+        const uint32_t cell = cell_of(node, x, y);
+        in |= (uint32_t)(cell <= 1 ? cell : test_one(p->trim, node + cell, x, y)) << i;
+    }
+    return in;
 }
 
 static uint32_t test(const points *p, const uint32_t *node, uint32_t mask)
@@ -123,6 +147,7 @@ static uint32_t test(const points *p, const uint32_t *node, uint32_t mask)
         return test(p, node, rest) | test(p, node + ep_node_size(*node), mask & ~rest);
     case EP_NODE_STRIP: rest = in_strip(p, mask, node, &known); return known | test(p, node + 5, rest);
     case EP_NODE_BOX: return test(p, node + 5, in_box(p, mask, node));
+    case EP_NODE_GRID: return in_grid(p, mask, node);
     case EP_NODE_CONST: return *node & EP_NODE_BIT3 ? mask : 0;
     }
     return 0;
@@ -144,4 +169,77 @@ uint32_t ep_trim_inside(const ep_trim *trim, const uint32_t *words, uint32_t nod
 bool ep_trim_inside_one(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v)
 {
     return u == u && v == v && test_one(trim, words + node, u, v);
+}
+
+/* A monotone piece that enters the square leaves two of its corners on different sides: those across the way it goes.
+ */
+static bool piece_is_near(const ep_trim *t, const ep_piece *p, double x, double y, double reach)
+{
+    if (y < p->low[1] - reach || y > p->high[1] + reach) return false;
+    if (x < fmin(p->low[0], p->high[0]) - reach || x > fmax(p->low[0], p->high[0]) + reach) return false;
+    if (y - reach < p->low[1] || y + reach >= p->high[1]) return true;
+    const double side = p->falls ? -reach : reach;
+    const ep_point2h *points = t->points + p->first;
+    return ep_piece_is_right(p, points, x - side, y + reach) != ep_piece_is_right(p, points, x + side, y - reach);
+}
+
+static bool is_near(const ep_trim *t, const uint32_t *node, double x, double y, double reach);
+
+static bool grid_is_near(const ep_trim *t, const uint32_t *node, double x, double y, double reach)
+{
+    const ep_grid g = ep_node_grid(node);
+    const uint32_t last[2] = {ep_grid_at(&g, 0, x + reach), ep_grid_at(&g, 1, y + reach)};
+    for (uint32_t j = ep_grid_at(&g, 1, y - reach); j <= last[1]; ++j)
+        for (uint32_t i = ep_grid_at(&g, 0, x - reach); i <= last[0]; ++i) {
+            const uint32_t cell = node[EP_GRID_HEAD + j * g.count[0] + i];
+            if (cell > 1 && is_near(t, node + cell, x, y, reach)) return true;
+        }
+    return false;
+}
+
+static bool is_near(const ep_trim *t, const uint32_t *node, double x, double y, double reach)
+{
+    for (;;) {
+        const uint32_t *end = node + ep_node_size(*node);
+        double a, b, h;
+        switch (ep_node_kind_of(*node)) {
+        case EP_NODE_LIST:
+            for (++node; node < end; ++node)
+                if (piece_is_near(t, &t->pieces[ep_entry_piece(*node)], x, y, reach)) return true;
+            return false;
+        case EP_NODE_ANY:
+        case EP_NODE_ALL:
+            for (++node; node < end; node += ep_node_size(*node))
+                if (is_near(t, node, x, y, reach)) return true;
+            return false;
+        case EP_NODE_SPLIT:
+            h = (*node & EP_NODE_BIT4 ? y : x) - ep_node_float(node[1]);
+            node += 2;
+            if (fabs(h) <= reach && is_near(t, node, x, y, reach)) return true;
+            if (h >= -reach) node += ep_node_size(*node);
+            break;
+        case EP_NODE_STRIP:
+            a = ep_node_float(node[1]), b = ep_node_float(node[2]);
+            h = a * x + b * y;
+            if (h < ep_node_float(node[3]) - 2 * reach || h > ep_node_float(node[4]) + 2 * reach) return false;
+            node += 5;
+            break;
+        case EP_NODE_BOX: node += 5; break;
+        case EP_NODE_GRID: return grid_is_near(t, node, x, y, reach);
+        case EP_NODE_CONST: return false;
+        }
+    }
+}
+
+bool ep_trim_is_near(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v, double reach)
+{
+    return is_near(trim, words + node, u, v, reach);
+}
+
+bool ep_trim_reaches(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v, double reach)
+{
+    static const int corner[5][2] = {{0, 0}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+    for (int i = 0; i < 5; ++i)
+        if (ep_trim_inside_one(trim, words, node, u + corner[i][0] * reach, v + corner[i][1] * reach)) return true;
+    return false;
 }

@@ -34,6 +34,30 @@ static inline uint32_t ep_node_from_float(float f)
     return word;
 }
 
+/* A grid's words before its cells. */
+enum { EP_GRID_HEAD = 10 };
+
+typedef struct ep_grid {
+    double lo[2], per_unit[2];
+    uint32_t count[2];
+} ep_grid;
+
+static inline ep_grid ep_node_grid(const uint32_t *node)
+{
+    ep_grid g = {.count = {node[9] & 0xFFFF, node[9] >> 16}};
+    memcpy(g.lo, node + 1, sizeof g.lo);
+    memcpy(g.per_unit, node + 5, sizeof g.per_unit);
+    return g;
+}
+
+/* The row or column of a coordinate; the first and the last go on for ever. */
+static inline uint32_t ep_grid_at(const ep_grid *g, int axis, double x)
+{
+    const double f = (x - g->lo[axis]) * g->per_unit[axis];
+    const uint32_t last = g->count[axis] - 1;
+    return f > 0 ? f < last ? (uint32_t)f : last : 0;
+}
+
 static inline uint32_t ep_entry_word(uint32_t piece, ep_beyond low, ep_beyond high)
 {
     return piece << 4 | (uint32_t)low << 2 | (uint32_t)high;

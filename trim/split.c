@@ -125,8 +125,8 @@ static void cut_sides(const ep_point2 triangle[3], const double n[2], double lin
     }
 }
 
-/* A strip no wider than this, against the triangle, is a straight line: what float tells apart. */
-static const double straight = 0x1p-22;
+/* A strip no wider than this, against the triangle, is a straight line but for what rounds. */
+static const double straight = 0x1p-42;
 
 /* The triangle cut along the strip. False when a part would be too thin, or the strip leaves too little beside it. */
 static bool cut_along(const ep_point2 triangle[3], ep_strip s, double thinnest, ep_trim_triangles *out)
@@ -181,7 +181,7 @@ bool ep_trim_split_triangle(const ep_trim *trim, const ep_trim_part *part, const
 }
 
 void ep_trim_split_rectangle(const ep_trim *trim, const ep_trim_part *part, const ep_point2 lo, const ep_point2 hi,
-                             int *axis, double *at)
+                             double thinnest, int *axis, double *at)
 {
     const ep_trim_domain d = ep_domain_rectangle(lo[0], hi[0], lo[1], hi[1], 0);
     ep_arcs arcs;
@@ -193,8 +193,10 @@ void ep_trim_split_rectangle(const ep_trim *trim, const ep_trim_part *part, cons
     for (int c = 0; c < 2; ++c) {
         double n[2] = {c == 0, c == 1}, from, to;
         ep_strip_extent(n, arcs.point, arcs.count, &from, &to);
-        const double width = hi[c] - lo[c], before = (from - lo[c]) / width, after = (hi[c] - to) / width;
-        if (before > widest) widest = before, *axis = c, *at = from - 0.01 * width;
-        if (after > widest) widest = after, *axis = c, *at = to + 0.01 * width;
+        const double width = hi[c] - lo[c], least = thinnest * (hi[!c] - lo[!c]);
+        const double before = fmin(from - 0.01 * width, hi[c] - least) - lo[c];
+        const double after = hi[c] - fmax(to + 0.01 * width, lo[c] + least);
+        if (before > fmax(widest * width, least)) widest = before / width, *axis = c, *at = lo[c] + before;
+        if (after > fmax(widest * width, least)) widest = after / width, *axis = c, *at = hi[c] - after;
     }
 }

@@ -25,8 +25,9 @@ void ep_trim_split_regular(const ep_point2 triangle[3], ep_trim_triangles *out);
 bool ep_trim_split_triangle(const ep_trim *trim, const ep_trim_part *part, const ep_point2 triangle[3], double thinnest,
                             ep_trim_triangles *out);
 
-/* Across the rectangle, at coordinate `at` of `axis` (0: u): where it cuts off what no curve enters, or halves it. */
+/* Across the rectangle, at coordinate `at` of `axis` (0: u): where it cuts off what no curve enters, unless that would
+ * make a rectangle thinner than `thinnest` (one side over the other); or it halves the longer side. */
 void ep_trim_split_rectangle(const ep_trim *trim, const ep_trim_part *part, const ep_point2 lo, const ep_point2 hi,
-                             int *axis, double *at);
+                             double thinnest, int *axis, double *at);
 
 #endif

@@ -34,6 +34,8 @@
  *   EP_NODE_SPLIT   float c; the node for coordinate < c, the node for the rest
  *   EP_NODE_STRIP   floats a, b, lo, hi: below is a u + b v < lo, above is > hi; the node between
  *   EP_NODE_BOX     floats u0, v0, u1, v1: beyond them all is outside; the node within
+ *   EP_NODE_GRID    doubles u0, v0, cells a unit of u, of v; their numbers nu + nv * 65536; then for each cell, row by row
+ *                   in u, 0: outside, 1: inside, or how many words behind the first its node is
  *   EP_NODE_CONST   nothing; bit 3: inside */
 typedef enum ep_node_kind {
     EP_NODE_LIST,
@@ -42,7 +44,8 @@ typedef enum ep_node_kind {
     EP_NODE_SPLIT,
     EP_NODE_STRIP,
     EP_NODE_BOX,
-    EP_NODE_CONST
+    EP_NODE_CONST,
+    EP_NODE_GRID
 } ep_node_kind;
 enum { EP_NODE_KIND = 7, EP_NODE_BIT3 = 8, EP_NODE_BIT4 = 16, EP_NODE_SIZE_SHIFT = 5 };
 #define EP_NODE_MOST_WORDS ((size_t)1 << 27)
@@ -100,6 +103,13 @@ uint32_t ep_trim_inside(const ep_trim *trim, const uint32_t *words, uint32_t nod
                         const float *v, uint32_t mask);
 /* The same for one point, in double. */
 bool ep_trim_inside_one(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v);
+
+/* May a border pass through the square of half side `reach` about the point? Never false when one does. */
+bool ep_trim_is_near(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v, double reach);
+/* Is the point or a corner of that square inside? A border that bends outwards, or not at all within the square, has
+ * one of them beyond it as soon as it is nearer than `reach`; so of two regions on either side of a border, whichever
+ * bends this way, one at least is reached by any point that rounding has moved by less. */
+bool ep_trim_reaches(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v, double reach);
 
 /* Any point of the plane: the cells of the whole region. */
 static inline bool ep_trim_has_point(const ep_trim *t, double u, double v)

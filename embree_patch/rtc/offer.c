@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "embree_patch/rtc/offer.h"
 
+#include <math.h>
 #include <string.h>
 
 void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one)
@@ -44,27 +45,59 @@ bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
     return false;
 }
 
-ep_polished ep_polish_candidate(const ep_query *q, unsigned lane, ep_candidates *c)
+static ep_polished polish(const ep_query *q, unsigned lane, const ep_candidates *c, float *t, float field[5],
+                          double exact[2])
 {
     const unsigned n = q->n;
-    float org[3], dir[3], field[5];
+    float org[3], dir[3];
     for (unsigned k = 0; k < 3; ++k) {
         org[k] = q->ray[(EP_RAY_ORG + k) * n + lane];
         dir[k] = q->ray[(EP_RAY_DIR + k) * n + lane];
     }
     for (unsigned f = 0; f < 5; ++f) field[f] = c->hit[f * n + lane];
-    const ep_polished found = ep_polish(ep_patch_of(q), org, dir, &c->t[lane], field);
+    *t = c->t[lane];
+    return ep_polish(ep_patch_of(q), org, dir, t, field, exact);
+}
+
+ep_polished ep_polish_candidate(const ep_query *q, unsigned lane, ep_candidates *c)
+{
+    float field[5];
+    double exact[2];
+    const ep_polished found = polish(q, lane, c, &c->t[lane], field, exact);
     if (found == EP_POLISHED)
-        for (unsigned f = 0; f < 5; ++f) c->hit[f * n + lane] = field[f];
+        for (unsigned f = 0; f < 5; ++f) c->hit[f * q->n + lane] = field[f];
     return found;
+}
+
+/* A candidate that is outside, but no farther from a trim curve than float may have moved it, is found again in double:
+ * rounding must not lose it to both of two faces that are trimmed along one curve. Kernels are sure of u and v to
+ * within EP_FLAT (isa/newton_tmpl.h) of the leaf, of its certificate as much again, and both add up in a triangle. */
+static bool is_at_border(const ep_query *q, unsigned lane, const ep_candidates *c)
+{
+    const ep_hierarchy *h = &q->geometry->hierarchy;
+    const ep_trim *trim = h->trims[q->leaf->patch];
+    const uint32_t node = q->leaf->trim;
+    const float *d = q->leaf->domain;
+    const double extent = fmax(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
+    const double u = c->hit[EP_HIT_U * q->n + lane], v = c->hit[EP_HIT_V * q->n + lane];
+    if (!ep_trim_is_near(trim, h->crossed, node, u, v, 0x1p-14 * extent + 0x1p-23)) return false;
+    float t, field[5];
+    double exact[2];
+    if (polish(q, lane, c, &t, field, exact) == EP_POLISHED_LOST) return true;
+    return ep_trim_reaches(trim, h->crossed, node, exact[0], exact[1], EP_BORDER);
 }
 
 /* Those of the candidates in `mask` that a leaf which trim curves cross keeps. */
 static uint32_t inside(const ep_query *q, uint32_t mask, const ep_candidates *c)
 {
     const ep_hierarchy *h = &q->geometry->hierarchy;
-    return ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim, q->n, c->hit + EP_HIT_U * q->n,
-                          c->hit + EP_HIT_V * q->n, mask);
+    uint32_t in = ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim, q->n, c->hit + EP_HIT_U * q->n,
+                                 c->hit + EP_HIT_V * q->n, mask);
+    for (uint32_t rest = mask & ~in; rest; rest &= rest - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(rest);
+        in |= (uint32_t)is_at_border(q, lane, c) << lane;
+    }
+    return in;
 }
 
 static void fill_row(float *hit, unsigned row, unsigned n, unsigned value)
