@@ -16,7 +16,7 @@
 #include <string.h>
 
 /* How far the parametrisation of a leaf may be from affine. */
-static const double max_distortion = 0.5;
+static const double max_distortion = 0.57;
 
 /* Halvings after which a piece that folds or collapses within is left to subdivision along the ray. */
 enum { FOLD_DEPTH = 12 };

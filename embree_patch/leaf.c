@@ -164,9 +164,8 @@ static void round_frame(frame *f, ep_leaf *leaf)
         leaf->frame[0][c] = (float)f->row[c].x;
         leaf->frame[1][c] = (float)f->row[c].y;
         leaf->frame[2][c] = (float)f->row[c].z;
+        f->row[c] = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
     }
-    /* in a loop of its own: where gcc 12 vectorizes both together at -O2, it reads back what was not yet rounded */
-    for (int c = 0; c < 3; ++c) f->row[c] = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
     const double det = ep_dot(f->row[0], ep_cross(f->row[1], f->row[2]));
     for (int c = 0; c < 3; ++c) f->column[c] = ep_scale(1 / det, ep_cross(f->row[(c + 1) % 3], f->row[(c + 2) % 3]));
 }

@@ -32,12 +32,12 @@
  *       |x* - y| <= |c - y| + G e |x* - y| / 2 gives |x* - y| <= (1 + G e) |c - y|, usually much less than e.
  *   (3) When b falls below the rounding error of F, c is the root.
  *
- * The first y need not be x0: the terms of r up to the second order make F's zero a step of a few dozen operations
- * away, and the same conclusions hold for that step with the error of these terms in place of rounding. One evaluation
- * of the surface then usually ends in (3).
+ * The first y need not be x0. Seen from its plane the leaf is a graph, its height over its feet x + r_st(x), and a ray
+ * meets a graph that is nearly quadratic where a quadratic equation has its roots (w_start in isa/newton_tmpl.h): that
+ * leaves a small Q, or none, however the leaf is parametrised. One evaluation of the surface then usually ends in (3).
  *
- * Those terms also take out most of what Newton leaves: with v = H (c-y)²/2, H the second derivatives at the middle, x*
- * is at c' = c - J^-1 (v_st - p v_h) up to what H differs from the truth, and (c-y)² from (x*-y)²:
+ * Terms of the second order take out most of what Newton leaves: with v = H (c-y)²/2, H being r's second derivatives
+ * at the middle, x* is at c' = c - J^-1 (v_st - p v_h) up to what H differs from the truth, and (c-y)² from (x*-y)²:
  *
  *     |x* - c'| <= b' = W e² / 2 + (G e)² (1 + G e / 4) e / 2,    W like G with `warp`, the Lipschitz constants of
  *                                                                 D(r - model),
@@ -45,10 +45,9 @@
  * for (x*-y)² and (c-y)² differ by at most |x*-c| (2 |x*-y| + |x*-c|). When rounding displaces c by n, |x*-c| grows by
  * n, and c' is displaced by n (1 + G e + ((G e)² + G n) / 2).
  *
- * Where b is not smaller than e the ray is nearly tangent to the leaf; cells along its way (isa/cells_tmpl.h) and then
- * subdivision (solve.c) take over. The test uses the tangents where the ray is, not their range over the leaf, and the
- * part of the leaf that the ray can touch: with a height H = k/16 of an arc of curvature k it holds up to |p| k = 4,
- * while a cone of normals must give up at 2. */
+ * Where the quadratic equation has two roots in the leaf, or may have a double one, and where b is not smaller than e,
+ * the ray is nearly tangent to the leaf; cells along its way (isa/cells_tmpl.h) and then subdivision (solve.c) take
+ * over. Both tests use the tangents where the ray is, not their range over the leaf, as a cone of normals would. */
 #ifndef EP_LEAF_H
 #define EP_LEAF_H
 
