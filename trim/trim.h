@@ -34,9 +34,9 @@
  *   EP_NODE_SPLIT   float c; the node for coordinate < c, the node for the rest
  *   EP_NODE_STRIP   floats a, b, lo, hi: below is a u + b v < lo, above is > hi; the node between
  *   EP_NODE_BOX     floats u0, v0, u1, v1: beyond them all is outside; the node within
- *   EP_NODE_GRID    doubles u0, v0, cells a unit of u, of v; their numbers nu + nv * 65536; then for each cell, row by row
- *                   in u, 0: outside, 1: inside, or how many words behind the first its node is
- *   EP_NODE_CONST   nothing; bit 3: inside */
+ *   EP_NODE_GRID    doubles u0, v0, cells a unit of u, of v; their numbers nu + nv * 65536; then for each cell, row by
+ * row in u, 0: outside, 1: inside, or how many words behind the first its node is EP_NODE_CONST   nothing; bit 3:
+ * inside */
 typedef enum ep_node_kind {
     EP_NODE_LIST,
     EP_NODE_ANY,
