@@ -230,9 +230,9 @@ typedef enum found { FOUND, ANOTHER, LOOKED_FOR } found;
 
 static found is_root(const visit *v, float *k, float hit[5], bool vague, double radius, const root *r)
 {
-    double s, t;
+    double s, t, exact[2];
     if (vague) {
-        const ep_polished p = ep_polish(v->patch, v->ray + EP_RAY_ORG, v->ray + EP_RAY_DIR, k, hit);
+        const ep_polished p = ep_polish(v->patch, v->ray + EP_RAY_ORG, v->ray + EP_RAY_DIR, k, hit, exact);
         if (p == EP_POLISHED_LOST) return LOOKED_FOR;
         if (p == EP_POLISHED_AWAY) return ANOTHER;
         radius = 0x1p-20;
