@@ -27,7 +27,8 @@ struct EPGeometryTy {
     size_t point_count, point_capacity;
     ep_hierarchy hierarchy; /* of the last commit */
     size_t region_bytes;    /* that trim it, then */
-    bool committed;
+    bool committed;         /* as the patches are, but for their points */
+    bool moved;             /* points were set since */
     double build_seconds;
     ep_message message;
 };

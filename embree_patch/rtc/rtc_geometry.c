@@ -119,8 +119,9 @@ static void bounds(const struct RTCBoundsFunctionArguments *args)
 
 RTCGeometry epNewRTCGeometry(EPGeometry g, RTCDevice device)
 {
-    if (!g->committed) {
-        ep_fail(&g->message, EP_INVALID, "epNewRTCGeometry before epCommitGeometry");
+    if (!g->committed || g->moved) {
+        ep_fail(&g->message, EP_INVALID, "epNewRTCGeometry before %s",
+                g->committed ? "epRefitGeometry or epCommitGeometry" : "epCommitGeometry");
         return NULL;
     }
     RTCGeometry rtc = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
