@@ -10,6 +10,8 @@
 #include "embree_patch/build.h"
 #include "embree_patch/trimmed.h"
 
+#include <string.h>
+
 /* How far the parametrisation of a leaf may be from affine. */
 static const double max_distortion = 0.5;
 
@@ -25,7 +27,7 @@ typedef struct piece_args {
     ep_fit *fit; /* scratch */
 } piece_args;
 
-/* What decides within the leaf; the words of the patch begin at 1. */
+/* What decides within the leaf. */
 static bool keep_part(const piece_args *a, const ep_domain *d, const ep_trim_part *part, uint32_t *trim, ep_list *l)
 {
     ep_message unused;
@@ -94,7 +96,7 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
 
 /* What patches are cut by. */
 typedef struct build_args {
-    const ep_trim **trims;
+    const ep_trim *const *trims;
     const EPBuildSettings *settings;
 } build_args;
 
@@ -118,5 +120,57 @@ EPStatus ep_build(ep_patch *patches, const ep_trim **trims, size_t count, const 
     out->patches = patches;
     out->trims = trims;
     out->patch_count = count;
+    return EP_OK;
+}
+
+/* The surface is in the hull of the control points. */
+static void box_of(const ep_patch *p, ep_box *box)
+{
+    const size_t count = ep_kinds[p->kind].point_count(p->degree_u, p->degree_v);
+    for (int c = 0; c < 3; ++c) {
+        ep_range r = EP_NOTHING;
+        for (size_t i = 0; i < count; ++i) ep_include(&r, p->points[i][c] / p->points[i][3]);
+        box->lower[c] = ep_round_down(r.lo);
+        box->upper[c] = ep_round_up(r.hi);
+    }
+}
+
+EPStatus ep_build_boxes(ep_patch *patches, const ep_trim **trims, size_t count, const EPBuildSettings *settings,
+                        ep_message *message, ep_hierarchy *out)
+{
+    memset(out, 0, sizeof *out);
+    out->boxes = ep_alloc(count, sizeof *out->boxes);
+    if (!out->boxes) return ep_fail(message, EP_NO_MEMORY, "no memory for the boxes of %zu patches", count);
+    for (size_t i = 0; i < count; ++i) {
+        ep_patch_measure(&patches[i]);
+        box_of(&patches[i], &out->boxes[i]);
+    }
+    out->patches = patches;
+    out->trims = trims;
+    out->patch_count = out->box_count = count;
+    ep_finish_boxes(out, settings);
+    return EP_OK;
+}
+
+EPStatus ep_build_one(const ep_hierarchy *boxes, uint32_t index, const EPBuildSettings *settings, ep_hierarchy *out,
+                      double *error)
+{
+    const build_args what = {boxes->trims, settings};
+    ep_list list = {.status = EP_OK};
+    ep_fit *fit = ep_alloc(1, sizeof *fit);
+    memset(out, 0, sizeof *out);
+    if (!fit) return EP_NO_MEMORY;
+    build_patch(&what, &boxes->patches[index], index, fit, &list);
+    ep_free(fit);
+    const EPStatus status = ep_join(&list, 1, out);
+    *error = list.error;
+    ep_list_free(&list);
+    if (status != EP_OK) {
+        ep_hierarchy_free(out);
+        return status;
+    }
+    out->patches = boxes->patches;
+    out->trims = boxes->trims;
+    ep_pad(out->boxes, out->box_count, boxes->padding);
     return EP_OK;
 }

@@ -12,4 +12,13 @@
 EPStatus ep_build(ep_patch *patches, const ep_trim **trims, size_t count, const EPBuildSettings *settings,
                   ep_message *message, ep_hierarchy *out);
 
+/* The same without leaves: measures the patches and makes a box of each. */
+EPStatus ep_build_boxes(ep_patch *patches, const ep_trim **trims, size_t count, const EPBuildSettings *settings,
+                        ep_message *message, ep_hierarchy *out);
+
+/* Cuts one patch of such a hierarchy into the leaves that ep_build would have made. *out has the patches and trims of
+ * `boxes`, but they are not its own. *error is what ep_patch.error would be. */
+EPStatus ep_build_one(const ep_hierarchy *boxes, uint32_t index, const EPBuildSettings *settings, ep_hierarchy *out,
+                      double *error);
+
 #endif

@@ -193,6 +193,7 @@ typedef struct EPBuildSettings {
                               and the leaves' boxes are padded against it                                 */
     const char *isa;       /* "plain", "avx2" or "avx512"; NULL: the best that this machine runs          */
     EPTrimSplit trimSplit; /* EP_TRIM_SPLIT_CURVES                                                           */
+    int onDemand;          /* 0. 1: a patch is cut into leaves when a ray first enters its box, see below       */
 } EPBuildSettings;
 
 /* Inline on purpose: compiled with the caller's idea of the size. */
@@ -206,6 +207,7 @@ static inline EPBuildSettings epDefaultBuildSettings(void)
     s.rayDistance = 0.0f;
     s.isa = NULL;
     s.trimSplit = EP_TRIM_SPLIT_CURVES;
+    s.onDemand = 0;
     return s;
 }
 EP_API EPStatus epSetGeometryBuildSettings(EPGeometry geometry, const EPBuildSettings *settings);

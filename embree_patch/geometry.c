@@ -28,6 +28,7 @@ void epReleaseGeometry(EPGeometry g)
 {
     if (!g || atomic_fetch_sub(&g->references, 1) != 1) return;
     for (size_t i = 0; i < g->added_count; ++i) epReleaseRegion(g->added[i].region);
+    ep_demand_free(g);
     ep_hierarchy_free(&g->hierarchy);
     ep_free(g->added);
     ep_free(g->points);
@@ -277,18 +278,41 @@ EPStatus epCommitGeometry(EPGeometry g)
     const size_t region_bytes = bytes_of_regions(regions, g->added_count);
     ep_free(regions);
     ep_hierarchy h;
-    const EPStatus status = ep_build(patches, trims, g->added_count, &g->settings, &g->message, &h);
+    const bool on_demand = g->settings.onDemand;
+    const EPStatus status =
+        (on_demand ? ep_build_boxes : ep_build)(patches, trims, g->added_count, &g->settings, &g->message, &h);
     if (status != EP_OK) {
         ep_free(patches);
         ep_free(trims);
         return status;
     }
+    ep_demand_free(g);
     ep_hierarchy_free(&g->hierarchy);
     g->hierarchy = h;
+    g->on_demand = on_demand;
     g->region_bytes = region_bytes;
     g->committed = true;
     g->moved = false;
     g->build_seconds = seconds() - start;
+    return EP_OK;
+}
+
+static EPStatus refit_leaves(EPGeometry g, ep_patch *patches)
+{
+    return ep_refit(&g->hierarchy, patches, &g->settings, &g->message);
+}
+
+/* What was built before is no more: it is built again when it is met. */
+static EPStatus refit_boxes(EPGeometry g, ep_patch *patches)
+{
+    ep_hierarchy h;
+    const EPStatus status =
+        ep_build_boxes(patches, g->hierarchy.trims, g->hierarchy.patch_count, &g->settings, &g->message, &h);
+    if (status != EP_OK) return status;
+    ep_demand_clear(g);
+    g->hierarchy.trims = NULL;
+    ep_hierarchy_free(&g->hierarchy);
+    g->hierarchy = h;
     return EP_OK;
 }
 
@@ -298,7 +322,7 @@ EPStatus epRefitGeometry(EPGeometry g)
     if (!g->committed) return ep_fail(&g->message, EP_INVALID, "epRefitGeometry before epCommitGeometry");
     ep_patch *patches = new_patches(g);
     if (!patches) return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
-    const EPStatus status = ep_refit(&g->hierarchy, patches, &g->settings, &g->message);
+    const EPStatus status = (g->on_demand ? refit_boxes : refit_leaves)(g, patches);
     if (status != EP_OK) {
         ep_free(patches);
         return status;
@@ -339,7 +363,7 @@ EPStatus epEvaluate(EPGeometry g, uint32_t primID, double u, double v, double P[
 float epGetHitError(EPGeometry g, uint32_t primID, const float org[3], const float dir[3], float t)
 {
     if (!g->committed || primID >= g->hierarchy.patch_count) return 0;
-    double error = g->hierarchy.patches[primID].error;
+    double error = g->on_demand ? ep_demand_error(g, primID) : g->hierarchy.patches[primID].error;
     for (int c = 0; c < 3; ++c) error += 4 * EP_EPS_F * (fabs(org[c]) + fabs((double)t * dir[c]));
     return ep_round_up(2 * error);
 }
@@ -364,4 +388,5 @@ void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
         .buildSeconds = g->build_seconds,
         .isa = g->kernels->isa,
     };
+    ep_demand_statistics(g, s);
 }

@@ -61,7 +61,7 @@ void ep_list_add(ep_list *l, const ep_fit *f, const ep_domain *d, uint32_t patch
     ++l->count;
 }
 
-static void list_free(ep_list *l)
+void ep_list_free(ep_list *l)
 {
     ep_free(l->leaves);
     ep_free(l->boxes);
@@ -73,33 +73,43 @@ static void list_free(ep_list *l)
 /* Embree's traversal of user geometry is never the robust one: its slab test rounds in proportion to the coordinates
  * and to the ray's distance. One unit in the last place of their sum a side was enough in every measurement; this is
  * four. */
-static void pad_boxes(ep_hierarchy *h, const EPBuildSettings *settings)
+static double padding_of(const float b[6], const EPBuildSettings *settings)
 {
-    float *b = h->bounds;
-    for (int c = 0; c < 3; ++c) b[c] = INFINITY, b[3 + c] = -INFINITY;
-    for (size_t i = 0; i < h->leaf_count; ++i)
-        for (int c = 0; c < 3; ++c) {
-            b[c] = fminf(b[c], h->boxes[i].lower[c]);
-            b[3 + c] = fmaxf(b[3 + c], h->boxes[i].upper[c]);
-        }
-    if (!h->leaf_count) return;
     double size = 0, far = 0;
     for (int c = 0; c < 3; ++c) {
         size = fmax(size, (double)b[3 + c] - b[c]);
         far = fmax(far, fmax(fabsf(b[c]), fabsf(b[3 + c])));
     }
     const double distance = settings->rayDistance > 0 ? settings->rayDistance : 64 * size;
-    const double pad = 0x1p-22 * (far + distance);
-    for (size_t i = 0; i < h->leaf_count; ++i)
+    return 0x1p-22 * (far + distance);
+}
+
+void ep_pad(ep_box *boxes, size_t count, double padding)
+{
+    for (size_t i = 0; i < count; ++i)
         for (int c = 0; c < 3; ++c) {
-            h->boxes[i].lower[c] = ep_round_down(h->boxes[i].lower[c] - pad);
-            h->boxes[i].upper[c] = ep_round_up(h->boxes[i].upper[c] + pad);
+            boxes[i].lower[c] = ep_round_down(boxes[i].lower[c] - padding);
+            boxes[i].upper[c] = ep_round_up(boxes[i].upper[c] + padding);
         }
 }
 
-static EPStatus join(const ep_list *lists, size_t count, ep_hierarchy *out)
+void ep_finish_boxes(ep_hierarchy *h, const EPBuildSettings *settings)
 {
-    size_t total = 0, floats = 0, words = 1, exact = 0;
+    float *b = h->bounds;
+    for (int c = 0; c < 3; ++c) b[c] = INFINITY, b[3 + c] = -INFINITY;
+    for (size_t i = 0; i < h->box_count; ++i)
+        for (int c = 0; c < 3; ++c) {
+            b[c] = fminf(b[c], h->boxes[i].lower[c]);
+            b[3 + c] = fmaxf(b[3 + c], h->boxes[i].upper[c]);
+        }
+    if (!h->box_count) return;
+    h->padding = padding_of(b, settings);
+    ep_pad(h->boxes, h->box_count, h->padding);
+}
+
+EPStatus ep_join(const ep_list *lists, size_t count, ep_hierarchy *out)
+{
+    size_t total = 0, floats = 0, words = 0, exact = 0;
     for (size_t i = 0; i < count; ++i) {
         if (lists[i].status != EP_OK) return lists[i].status;
         total += lists[i].count;
@@ -114,8 +124,6 @@ static EPStatus join(const ep_list *lists, size_t count, ep_hierarchy *out)
     out->crossed = ep_alloc(words, sizeof(uint32_t));
     out->exact = ep_alloc(exact, sizeof(ep_exact_domain));
     if (!out->leaves || !out->boxes || !out->nets || !out->crossed || !out->exact) return EP_NO_MEMORY;
-    out->crossed[0] = 0;
-    out->trim_words = 1;
     double depth = 0, thickness = 0;
     for (size_t i = 0; i < count; ++i) {
         const ep_list *l = &lists[i];
@@ -124,8 +132,7 @@ static EPStatus join(const ep_list *lists, size_t count, ep_hierarchy *out)
         memcpy(leaves, l->leaves, l->count * sizeof(ep_leaf));
         for (size_t k = 0; k < l->count; ++k) {
             leaves[k].net += (uint32_t)out->net_floats;
-            /* 1 counts from the list's first word */
-            if (leaves[k].trim) leaves[k].trim += (uint32_t)out->trim_words - 1;
+            if (leaves[k].trim) leaves[k].trim += (uint32_t)out->trim_words;
         }
         memcpy(out->boxes + out->leaf_count, l->boxes, l->count * sizeof(ep_box));
         if (l->net_count) memcpy(out->nets + out->net_floats, l->nets, l->net_count * sizeof(float));
@@ -140,6 +147,7 @@ static EPStatus join(const ep_list *lists, size_t count, ep_hierarchy *out)
         thickness += l->thickness_sum;
         if (l->depth_max > out->maximum_depth) out->maximum_depth = l->depth_max;
     }
+    out->box_count = total;
     out->average_depth = total ? depth / (double)total : 0;
     out->average_thickness = total > out->uncertified ? thickness / (double)(total - out->uncertified) : 0;
     return EP_OK;
@@ -167,8 +175,8 @@ EPStatus ep_make_hierarchy(ep_patch *patches, size_t count, const EPBuildSetting
             make(what, &patches[i], (uint32_t)i, &fits[omp_get_thread_num()], &lists[i]);
             patches[i].error = lists[i].error;
         }
-        status = join(lists, count, out);
-        for (size_t i = 0; i < count; ++i) list_free(&lists[i]);
+        status = ep_join(lists, count, out);
+        for (size_t i = 0; i < count; ++i) ep_list_free(&lists[i]);
     }
     ep_free(fits);
     ep_free(lists);
@@ -176,7 +184,7 @@ EPStatus ep_make_hierarchy(ep_patch *patches, size_t count, const EPBuildSetting
         ep_hierarchy_free(out);
         return fail(message, status, count);
     }
-    pad_boxes(out, settings);
+    ep_finish_boxes(out, settings);
     return EP_OK;
 }
 
@@ -194,7 +202,7 @@ ep_domain ep_domain_of(const ep_hierarchy *h, size_t leaf)
 size_t ep_hierarchy_bytes(const ep_hierarchy *h)
 {
     return h->patch_count * (sizeof *h->patches + sizeof *h->trims) + h->trim_words * sizeof *h->crossed +
-           h->net_floats * sizeof *h->nets + h->leaf_count * (sizeof *h->leaves + sizeof *h->boxes) +
+           h->net_floats * sizeof *h->nets + h->leaf_count * sizeof *h->leaves + h->box_count * sizeof *h->boxes +
            h->exact_count * sizeof *h->exact;
 }
 

@@ -16,17 +16,20 @@ typedef struct ep_exact_domain {
     ep_domain d;
 } ep_exact_domain;
 
-/* Leaves and boxes go together by index. */
+/* Leaves and boxes go together by index; a hierarchy without leaves, of patches that are cut on demand, has their
+ * boxes.
+ */
 typedef struct ep_hierarchy {
     ep_patch *patches;
     const ep_trim **trims; /* of each patch, NULL where there is none */
     ep_leaf *leaves;       /* in the order of their patches           */
     ep_box *boxes;
     float *nets;            /* the leaves' coefficients, one after the other */
-    uint32_t *crossed;      /* the nodes of leaves that trim curves cross, which leaf.trim addresses; word 0 is none */
+    uint32_t *crossed;      /* the nodes of leaves that trim curves cross, which leaf.trim - 1 addresses */
     ep_exact_domain *exact; /* in the order of their leaves */
-    size_t patch_count, leaf_count, net_floats, trim_words, exact_count;
+    size_t patch_count, leaf_count, box_count, net_floats, trim_words, exact_count;
     float bounds[6];
+    double padding; /* of the boxes, but not of `bounds` */
     /* statistics */
     size_t uncertified;
     double average_depth, average_thickness;
@@ -48,8 +51,15 @@ typedef struct ep_list {
     EPStatus status; /* once it is not EP_OK the list is dropped */
 } ep_list;
 
-/* Appends the leaf that was fitted to the part `d` of a patch. `trim`: leaf.trim; the list's first word is 1. */
+/* Appends the leaf that was fitted to the part `d` of a patch. `trim`: leaf.trim, as if the list were the first. */
 void ep_list_add(ep_list *l, const ep_fit *fit, const ep_domain *d, uint32_t patch, uint32_t trim, unsigned depth);
+void ep_list_free(ep_list *l);
+
+/* The lists' leaves one after the other, with their boxes as they are. EP_UNSUPPORTED: too many. */
+EPStatus ep_join(const ep_list *lists, size_t count, ep_hierarchy *out);
+void ep_pad(ep_box *boxes, size_t count, double padding);
+/* Sets the bounds, and pads all boxes by what these demand. */
+void ep_finish_boxes(ep_hierarchy *h, const EPBuildSettings *settings);
 
 /* Fills the list of patch `index`, with `fit` as scratch. Runs on many threads at a time. */
 typedef void ep_make_leaves(const void *what, const ep_patch *patch, uint32_t index, ep_fit *fit, ep_list *l);

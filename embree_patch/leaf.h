@@ -73,7 +73,7 @@ typedef struct ep_leaf {
     float volume;                   /* S_u x S_v = volume * frame^T (S_s x S_t in leaf coordinates)               */
     uint32_t patch;                 /* index of the patch                                                         */
     uint32_t net;                   /* where its coefficients begin, in floats                                    */
-    uint32_t trim;                  /* what decides within it whether (u, v) is kept                              */
+    uint32_t trim;                  /* 1 + where what decides about (u, v) within it begins; 0: all is kept       */
     uint8_t shape, degree_s, degree_t, rational; /* of the coefficients; see ep_shape                        */
 } ep_leaf;
 _Static_assert(sizeof(ep_leaf) == 192, "a leaf is three cache lines");

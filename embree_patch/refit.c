@@ -38,7 +38,7 @@ EPStatus ep_refit(ep_hierarchy *h, ep_patch *patches, const EPBuildSettings *set
     ep_hierarchy fresh;
     const EPStatus status = ep_make_hierarchy(patches, h->patch_count, settings, refit_patch, h, message, &fresh);
     if (status != EP_OK) return status;
-    /* of the lists' own, which have no trims, there is one word, and leaf.trim is as it was */
+    /* the lists have no trims of their own, so that leaf.trim is as it was */
     ep_free(fresh.crossed);
     fresh.crossed = h->crossed;
     fresh.trim_words = h->trim_words;

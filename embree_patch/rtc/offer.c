@@ -62,8 +62,8 @@ ep_polished ep_polish_candidate(const ep_query *q, unsigned lane, ep_candidates 
 /* Those of the candidates in `mask` that a leaf which trim curves cross keeps. */
 static uint32_t inside(const ep_query *q, uint32_t mask, const ep_candidates *c)
 {
-    const ep_hierarchy *h = &q->geometry->hierarchy;
-    return ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim, q->n, c->hit + EP_HIT_U * q->n,
+    const ep_hierarchy *h = q->hierarchy;
+    return ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim - 1, q->n, c->hit + EP_HIT_U * q->n,
                           c->hit + EP_HIT_V * q->n, mask);
 }
 

@@ -5,6 +5,7 @@
  * A callback is one leaf and a packet of 1, 4, 8 or 16 rays. The kernel answers for most lanes (kernels.h), search.h
  * for those that it cannot decide; what is found is offered to filters (offer.h). */
 #include "embree_patch/counters.h"
+#include "embree_patch/rtc/on_demand.h"
 #include "embree_patch/rtc/search.h"
 
 /* Those of the kernel's candidates that are to be offered. Lanes whose vague root is lost are slow. */
@@ -62,12 +63,14 @@ static uint32_t run_packet(const ep_query *q, uint32_t active, EPCounters *count
     return o.hit | o.slow ? answer(q, o, &c, counters) : 0;
 }
 
-static inline void run(const ep_query *q, int *valid)
+static inline uint32_t run(const ep_query *q, int *valid)
 {
     EPCounters *counters = ep_counters();
     if (q->n == 1) {
-        if (valid[0]) ep_rtc_report(valid, 0, run_single(q, counters));
-        return;
+        if (!valid[0]) return 0;
+        const uint32_t accepted = run_single(q, counters);
+        ep_rtc_report(valid, 0, accepted);
+        return accepted;
     }
     const uint32_t active = q->geometry->kernels->active(valid, q->n);
     const uint32_t beyond = active & (active - 1); /* all but the first */
@@ -76,6 +79,12 @@ static inline void run(const ep_query *q, int *valid)
         const unsigned lane = (unsigned)__builtin_ctz(rest);
         ep_rtc_report(valid, lane, accepted >> lane & 1);
     }
+    return accepted;
+}
+
+uint32_t ep_visit(const ep_query *q, int *valid)
+{
+    return run(q, valid);
 }
 
 static void intersect(const struct RTCIntersectFunctionNArguments *args)
@@ -84,6 +93,7 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
     const ep_query q = {.intersect = args,
                         .geometry = g,
+                        .hierarchy = &g->hierarchy,
                         .leaf = leaf,
                         .net = g->hierarchy.nets + leaf->net,
                         .context = args->context,
@@ -99,6 +109,7 @@ static void occluded(const struct RTCOccludedFunctionNArguments *args)
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
     const ep_query q = {.occluded = args,
                         .geometry = g,
+                        .hierarchy = &g->hierarchy,
                         .leaf = leaf,
                         .net = g->hierarchy.nets + leaf->net,
                         .context = args->context,
@@ -111,10 +122,21 @@ static void occluded(const struct RTCOccludedFunctionNArguments *args)
 static void bounds(const struct RTCBoundsFunctionArguments *args)
 {
     const EPGeometry g = args->geometryUserPtr;
-    const ep_box *b = &g->hierarchy.boxes[args->primID];
-    struct RTCBounds *o = args->bounds_o;
-    o->lower_x = b->lower[0], o->lower_y = b->lower[1], o->lower_z = b->lower[2];
-    o->upper_x = b->upper[0], o->upper_y = b->upper[1], o->upper_z = b->upper[2];
+    ep_give_box(&g->hierarchy.boxes[args->primID], args->bounds_o);
+}
+
+RTCGeometry ep_new_user_geometry(RTCDevice device, size_t count, void *user, const ep_callbacks *callbacks)
+{
+    RTCGeometry rtc = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    if (!rtc) return NULL;
+    rtcSetGeometryUserPrimitiveCount(rtc, (unsigned)count);
+    rtcSetGeometryUserData(rtc, user);
+    rtcSetGeometryBoundsFunction(rtc, callbacks->bounds, NULL);
+    rtcSetGeometryIntersectFunction(rtc, callbacks->intersect);
+    rtcSetGeometryOccludedFunction(rtc, callbacks->occluded);
+    rtcSetGeometryMask(rtc, 0xFFFFFFFFu); /* Embree 4 would start with 1 */
+    rtcCommitGeometry(rtc);
+    return rtc;
 }
 
 RTCGeometry epNewRTCGeometry(EPGeometry g, RTCDevice device)
@@ -124,17 +146,14 @@ RTCGeometry epNewRTCGeometry(EPGeometry g, RTCDevice device)
                 g->committed ? "epRefitGeometry or epCommitGeometry" : "epCommitGeometry");
         return NULL;
     }
-    RTCGeometry rtc = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    if (!rtc) {
-        ep_fail(&g->message, EP_FOREIGN, "rtcNewGeometry: Embree's error %d", (int)rtcGetDeviceError(device));
+    void *user = g;
+    if (g->on_demand && !(user = ep_demand_for(g, device, rtcReleaseScene))) {
+        ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->hierarchy.patch_count);
         return NULL;
     }
-    rtcSetGeometryUserPrimitiveCount(rtc, (unsigned)g->hierarchy.leaf_count);
-    rtcSetGeometryUserData(rtc, g);
-    rtcSetGeometryBoundsFunction(rtc, bounds, NULL);
-    rtcSetGeometryIntersectFunction(rtc, intersect);
-    rtcSetGeometryOccludedFunction(rtc, occluded);
-    rtcSetGeometryMask(rtc, 0xFFFFFFFFu); /* Embree 4 would start with 1 */
-    rtcCommitGeometry(rtc);
+    static const ep_callbacks leaves = {bounds, intersect, occluded};
+    RTCGeometry rtc =
+        ep_new_user_geometry(device, g->hierarchy.box_count, user, g->on_demand ? &ep_on_demand : &leaves);
+    if (!rtc) ep_fail(&g->message, EP_FOREIGN, "rtcNewGeometry: Embree's error %d", (int)rtcGetDeviceError(device));
     return rtc;
 }
