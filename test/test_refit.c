@@ -201,19 +201,20 @@ static void animation(void **state)
 static void every_allocation_fails_once(void **state)
 {
     (void)state;
+    enum { FEW = 6 };
     test_patch p[PATCHES], other[PATCHES];
     random_patches(34, p);
     memcpy(other, p, sizeof p);
-    for (int i = 0; i < PATCHES; ++i) move_patch(&other[i], 2, (const double[3]){0, 0, 0});
+    for (int i = 0; i < FEW; ++i) move_patch(&other[i], 2, (const double[3]){0, 0, 0});
     EPBuildSettings settings = epDefaultBuildSettings();
-    settings.maxDepth = 4;
-    EPGeometry want = new_geometry(p, PATCHES, &settings), fresh = new_geometry(other, PATCHES, &settings);
+    settings.maxDepth = 3;
+    EPGeometry want = new_geometry(p, FEW, &settings), fresh = new_geometry(other, FEW, &settings);
     bool failed = true;
     long n = 0;
     for (; failed; ++n) {
-        EPGeometry g = new_geometry(p, PATCHES, &settings);
+        EPGeometry g = new_geometry(p, FEW, &settings);
         ep_alloc_fail_at(n);
-        assert_int_equal(set_points(g, 0, other, PATCHES), EP_OK); /* allocates nothing */
+        assert_int_equal(set_points(g, 0, other, FEW), EP_OK); /* allocates nothing */
         const EPStatus s = epRefitGeometry(g);
         ep_alloc_fail_at(-1);
         failed = s != EP_OK;
