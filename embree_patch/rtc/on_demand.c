@@ -16,20 +16,19 @@
 /* The query of a patch's scene. */
 typedef struct inner {
     ep_rtc_context context; /* first: what leaves are given is its address */
-    ep_query query;         /* the outer one, without a leaf */
+    ep_query query;         /* the outer one, of the leaf that is visited */
     uint32_t accepted;      /* lanes that have a new hit */
 } inner;
 
 static void visit_leaf(ep_rtc_context *context, const ep_built *b, unsigned index, float *ray, unsigned n, int *valid)
 {
     inner *in = (inner *)context;
-    ep_query q = in->query;
-    q.hierarchy = &b->hierarchy;
-    q.leaf = &b->hierarchy.leaves[index];
-    q.net = b->hierarchy.nets + q.leaf->net;
-    q.ray = ray;
-    q.n = n;
-    in->accepted |= ep_visit(&q, valid);
+    ep_query *q = &in->query;
+    q->leaf = &b->hierarchy.leaves[index];
+    q->net = b->hierarchy.nets + q->leaf->net;
+    q->ray = ray;
+    q->n = n;
+    in->accepted |= ep_visit(q, valid);
 }
 
 static void intersect_leaf(const struct RTCIntersectFunctionNArguments *args)
@@ -128,6 +127,7 @@ static void visit_patch(ep_demand *d, uint32_t patch, const ep_query *outer, int
     if (!b) {
         in.accepted = search_patch(outer, patch, active);
     } else if (b->scene) {
+        in.query.hierarchy = &b->hierarchy;
         ep_rtc_init_context(&in.context);
         if (outer->intersect) ep_rtc_intersect_in(&in.context, b->scene, outer->n, mask, outer->ray, false);
         else ep_rtc_occluded_in(&in.context, b->scene, outer->n, mask, outer->ray, false);
