@@ -182,7 +182,16 @@ typedef enum EPTrimSplit {
 } EPTrimSplit;
 
 /* How to cut patches into leaves. Start from epDefaultBuildSettings(). None of these changes which point a ray
- * hits; they trade build time and memory against speed. */
+ * hits; they trade build time and memory against speed.
+ *
+ * onDemand is for models of which rays meet few patches. The commit makes no more than a box of each patch; the first
+ * ray that enters it has the patch cut into leaves, by the thread that traces the ray, and Embree build a scene of
+ * them. No thread ever waits for another: those that come meanwhile do the same work, and all but one drop it. Hits,
+ * filters and ids are the same to the bit. A ray that finds no memory for leaves is not lost: the patch is subdivided
+ * along it in double precision, which is slow, and its hit may differ in the last bits; the next ray tries again. Where
+ * all patches are met, rays take up to 1.5 times as long. Leaves and their scenes stay until the next commit or refit
+ * or the end of the geometry, and until then so does the device, which calls its memory monitor and error functions
+ * from the threads that trace. EPStatistics tells what is there when it is asked. */
 typedef struct EPBuildSettings {
     size_t size;           /* sizeof(EPBuildSettings) in your build; set by epDefaultBuildSettings       */
     float thickness;       /* a leaf's prism is at most this thick, relative to its width. 0.08; in (0,1] */
@@ -193,7 +202,7 @@ typedef struct EPBuildSettings {
                               and the leaves' boxes are padded against it                                 */
     const char *isa;       /* "plain", "avx2" or "avx512"; NULL: the best that this machine runs          */
     EPTrimSplit trimSplit; /* EP_TRIM_SPLIT_CURVES                                                           */
-    int onDemand;          /* 0. 1: a patch is cut into leaves when a ray first enters its box, see below       */
+    int onDemand;          /* 0; 1: patches are cut when rays meet them                                        */
 } EPBuildSettings;
 
 /* Inline on purpose: compiled with the caller's idea of the size. */
@@ -229,8 +238,8 @@ EP_API EPStatus epCommitGeometry(EPGeometry geometry);
  * It takes 0.5 (tensor-product patches) to 0.8 (triangles) of the time of a commit, and for a moment the memory of a
  * second set of leaves. Hits are as exact as after a commit, however far the points have moved; only speed suffers
  * where patches bend much more than when they were divided. EPStatistics.averageThickness tells; a commit divides anew.
- * Trims stay where they are in u, v. EP_INVALID: patches, trims or settings have changed since the last commit, or
- * there was none. On failure the leaves are as they were. */
+ * Trims stay where they are in u, v. With onDemand, patches are cut anew when rays meet them. EP_INVALID: patches,
+ * trims or settings have changed since the last commit, or there was none. On failure the leaves are as they were. */
 EP_API EPStatus epRefitGeometry(EPGeometry geometry);
 
 /* An RTCGeometry of type USER over the leaves of a committed geometry, itself committed and ready to attach, with
@@ -255,8 +264,8 @@ EP_API EPStatus epEvaluate(EPGeometry geometry, uint32_t primID, double u, doubl
  * sheet again. */
 EP_API float epGetHitError(EPGeometry geometry, uint32_t primID, const float org[3], const float dir[3], float t);
 
-/* The box that holds all patches of a committed geometry: lower x, y, z, upper x, y, z. Empty (lower > upper)
- * without patches. */
+/* The box that holds all patches of a committed geometry (onDemand: their control points): lower x, y, z, upper x, y,
+ * z. Empty (lower > upper) without patches. */
 EP_API void epGetGeometryBounds(EPGeometry geometry, float bounds[6]);
 
 typedef struct EPStatistics {
