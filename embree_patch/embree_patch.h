@@ -189,7 +189,7 @@ typedef enum EPTrimSplit {
  * them. No thread ever waits for another: those that come meanwhile do the same work, and all but one drop it. Hits,
  * filters and ids are the same to the bit. A ray that finds no memory for leaves is not lost: the patch is subdivided
  * along it in double precision, which is slow, and its hit may differ in the last bits; the next ray tries again. Where
- * all patches are met, rays take up to 1.5 times as long. Leaves and their scenes stay until the next commit or refit
+ * all patches are met, rays take up to 1.4 times as long. Leaves and their scenes stay until the next commit or refit
  * or the end of the geometry, and until then so does the device, which calls its memory monitor and error functions
  * from the threads that trace. EPStatistics tells what is there when it is asked. */
 typedef struct EPBuildSettings {
