@@ -105,6 +105,13 @@ EP_API EPStatus epAddBezierTriangles(EPGeometry geometry, unsigned degree, size_
 EP_API EPStatus epAddBezierPatches(EPGeometry geometry, unsigned degreeU, unsigned degreeV, size_t count,
                                    EPFormat format, const void *points, size_t byteStride);
 
+/* Replaces the control points of `count` patches that were added, from `firstPatch` on; degrees and trims stay.
+ * `points` holds the points of each patch after those of the one before, in the order in which they were added; in any
+ * format. Takes effect with the next refit or commit, until which nothing may be traced. EP_INVALID, EP_BAD_DATA: as
+ * above, or no such patches. Then nothing is replaced. */
+EP_API EPStatus epSetPatchPoints(EPGeometry geometry, uint32_t firstPatch, size_t count, EPFormat format,
+                                 const void *points, size_t byteStride);
+
 /* Trims: a region of the parameter plane, of which a patch keeps the part inside. A region is written down from the
  * outside in; this keeps what is in the unit square and not in a disc:
  *
@@ -175,7 +182,16 @@ typedef enum EPTrimSplit {
 } EPTrimSplit;
 
 /* How to cut patches into leaves. Start from epDefaultBuildSettings(). None of these changes which point a ray
- * hits; they trade build time and memory against speed. */
+ * hits; they trade build time and memory against speed.
+ *
+ * onDemand is for models of which rays meet few patches. The commit makes no more than a box of each patch; the first
+ * ray that enters it has the patch cut into leaves, by the thread that traces the ray, and Embree build a scene of
+ * them. No thread ever waits for another: those that come meanwhile do the same work, and all but one drop it. Hits,
+ * filters and ids are the same to the bit. A ray that finds no memory for leaves is not lost: the patch is subdivided
+ * along it in double precision, which is slow, and its hit may differ in the last bits; the next ray tries again. Where
+ * all patches are met, rays take up to 1.4 times as long. Leaves and their scenes stay until the next commit or refit
+ * or the end of the geometry, and until then so does the device, which calls its memory monitor and error functions
+ * from the threads that trace. EPStatistics tells what is there when it is asked. */
 typedef struct EPBuildSettings {
     size_t size;           /* sizeof(EPBuildSettings) in your build; set by epDefaultBuildSettings       */
     float thickness;       /* a leaf's prism is at most this thick, relative to its width. 0.12; in (0,1] */
@@ -186,6 +202,7 @@ typedef struct EPBuildSettings {
                               and the leaves' boxes are padded against it                                 */
     const char *isa;       /* "plain", "avx2" or "avx512"; NULL: the best that this machine runs          */
     EPTrimSplit trimSplit; /* EP_TRIM_SPLIT_CURVES                                                           */
+    int onDemand;          /* 0; 1: patches are cut when rays meet them                                        */
 } EPBuildSettings;
 
 /* Inline on purpose: compiled with the caller's idea of the size. */
@@ -199,13 +216,31 @@ static inline EPBuildSettings epDefaultBuildSettings(void)
     s.rayDistance = 0.0f;
     s.isa = NULL;
     s.trimSplit = EP_TRIM_SPLIT_CURVES;
+    s.onDemand = 0;
     return s;
 }
 EP_API EPStatus epSetGeometryBuildSettings(EPGeometry geometry, const EPBuildSettings *settings);
 
-/* Builds the leaves. Commit again after more patches were added or the settings changed; an RTCGeometry that was
- * made before then must be made anew. A geometry without patches commits to no leaves. */
+/* Builds the leaves. Commit again after patches were added or trimmed or the settings changed; an RTCGeometry that was
+ * made before then must be made anew. Where only points have moved, epRefitGeometry is quicker. A geometry without
+ * patches commits to no leaves. */
 EP_API EPStatus epCommitGeometry(EPGeometry geometry);
+
+/* Builds the leaves anew where only points have moved since the last commit (epSetPatchPoints): every patch keeps its
+ * division into leaves, and each leaf is fitted to the piece of surface that is there now. Every RTCGeometry of this
+ * geometry stays valid; Embree has to hear of it, before the next ray:
+ *
+ *     epSetPatchPoints(teapot, 0, 32, EP_FORMAT_FLOAT3, points, 3 * sizeof(float));
+ *     epRefitGeometry(teapot);
+ *     rtcCommitGeometry(rtc);
+ *     rtcCommitScene(scene);
+ *
+ * It takes 0.5 (tensor-product patches) to 0.8 (triangles) of the time of a commit, and for a moment the memory of a
+ * second set of leaves. Hits are as exact as after a commit, however far the points have moved; only speed suffers
+ * where patches bend much more than when they were divided. EPStatistics.averageThickness tells; a commit divides anew.
+ * Trims stay where they are in u, v. With onDemand, patches are cut anew when rays meet them. EP_INVALID: patches,
+ * trims or settings have changed since the last commit, or there was none. On failure the leaves are as they were. */
+EP_API EPStatus epRefitGeometry(EPGeometry geometry);
 
 /* An RTCGeometry of type USER over the leaves of a committed geometry, itself committed and ready to attach, with
  * one reference that the caller releases; NULL on failure. Set filters, masks and build quality on it with Embree's
@@ -229,8 +264,8 @@ EP_API EPStatus epEvaluate(EPGeometry geometry, uint32_t primID, double u, doubl
  * sheet again. */
 EP_API float epGetHitError(EPGeometry geometry, uint32_t primID, const float org[3], const float dir[3], float t);
 
-/* The box that holds all patches of a committed geometry: lower x, y, z, upper x, y, z. Empty (lower > upper)
- * without patches. */
+/* The box that holds all patches of a committed geometry (onDemand: their control points): lower x, y, z, upper x, y,
+ * z. Empty (lower > upper) without patches. */
 EP_API void epGetGeometryBounds(EPGeometry geometry, float bounds[6]);
 
 typedef struct EPStatistics {
@@ -241,7 +276,7 @@ typedef struct EPStatistics {
     double averageThickness; /* thickness of a leaf's prism relative to its width, mean over leaves */
     size_t bytes;            /* allocated for this geometry: points, leaves, boxes, and the regions that trim it,
                                 even if they are shared with other geometries                       */
-    double buildSeconds;     /* of the last commit                                                  */
+    double buildSeconds;     /* of the last commit or refit                                         */
     const char *isa;         /* the kernels in use                                                  */
 } EPStatistics;
 EP_API void epGetGeometryStatistics(EPGeometry geometry, EPStatistics *statistics);

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "embree_patch/geometry.h"
+#include "embree_patch/refit.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,7 @@ void epReleaseGeometry(EPGeometry g)
 {
     if (!g || atomic_fetch_sub(&g->references, 1) != 1) return;
     for (size_t i = 0; i < g->added_count; ++i) epReleaseRegion(g->added[i].region);
+    ep_demand_free(g);
     ep_hierarchy_free(&g->hierarchy);
     ep_free(g->added);
     ep_free(g->points);
@@ -60,8 +62,51 @@ static void read_point(EPFormat format, const char *at, double p[4])
     }
 }
 
+/* Points as a caller has them. */
+typedef struct given_points {
+    EPFormat format;
+    const char *at;
+    size_t stride;
+} given_points;
+
+static EPStatus check_layout(EPGeometry g, EPFormat format, size_t stride)
+{
+    const size_t bytes = format_bytes(format);
+    if (!bytes) return ep_fail(&g->message, EP_INVALID, "%d is no point format", (int)format);
+    if (stride < bytes)
+        return ep_fail(&g->message, EP_INVALID, "a stride of %zu bytes is shorter than a point of %zu", stride, bytes);
+    return EP_OK;
+}
+
 /* Coordinates and weights beyond these overflow when they are multiplied or squared in float. */
 static const double largest_coordinate = 0x1p60, largest_weight = 0x1p40;
+
+/* The next `count` points, of patch `patch`; `to` may be NULL, *rational is set when a weight is not one. */
+static EPStatus read_net(EPGeometry g, size_t patch, size_t count, given_points *from, ep_point *to, uint8_t *rational)
+{
+    *rational = 0;
+    for (size_t i = 0; i < count; ++i, from->at += from->stride) {
+        double p[4];
+        read_point(from->format, from->at, p);
+        for (int c = 0; c < 3; ++c)
+            if (!(fabs(p[c]) <= largest_coordinate))
+                return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: %c is %g, not within +-2^60", patch, i,
+                               "xyz"[c], p[c]);
+        if (!(p[3] > 0 && p[3] <= largest_weight && p[3] >= 1 / largest_weight))
+            return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: the weight is %g, not in 2^-40..2^40",
+                           patch, i, p[3]);
+        if (p[3] != 1) *rational = 1;
+        if (!to) continue;
+        for (int c = 0; c < 3; ++c) to[i][c] = p[3] * p[c];
+        to[i][3] = p[3];
+    }
+    return EP_OK;
+}
+
+static size_t points_of(const ep_added *a)
+{
+    return ep_kinds[a->kind].point_count(a->degree_u, a->degree_v);
+}
 
 static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_t count, EPFormat format,
                     const void *points, size_t stride)
@@ -69,11 +114,8 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
     if (m < 1 || m > EP_MAX_DEGREE || n < 1 || n > EP_MAX_DEGREE)
         return ep_fail(&g->message, EP_INVALID, "degree %u is not in 1..%d", m < 1 || m > EP_MAX_DEGREE ? m : n,
                        EP_MAX_DEGREE);
-    const size_t bytes = format_bytes(format);
-    if (!bytes) return ep_fail(&g->message, EP_INVALID, "%d is no point format", (int)format);
-    if (stride < bytes)
-        return ep_fail(&g->message, EP_INVALID, "a stride of %zu bytes is shorter than a point of %zu", stride, bytes);
-    if (!count) return EP_OK;
+    EPStatus status = check_layout(g, format, stride);
+    if (status != EP_OK || !count) return status;
     if (!points) return ep_fail(&g->message, EP_INVALID, "no points");
 
     const size_t each = ep_kinds[kind].point_count(m, n);
@@ -87,25 +129,12 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
     for (size_t i = 0; i < g->hierarchy.patch_count; ++i)
         g->hierarchy.patches[i].points = g->points + g->added[i].first;
 
-    const char *at = points;
-    ep_point *to = g->points + g->point_count;
+    given_points from = {format, points, stride};
     for (size_t k = 0; k < count; ++k) {
         ep_added *a = &g->added[g->added_count + k];
         *a = (ep_added){g->point_count + k * each, (uint8_t)kind, (uint8_t)m, (uint8_t)n, 0, NULL};
-        for (size_t i = 0; i < each; ++i, at += stride, ++to) {
-            double p[4];
-            read_point(format, at, p);
-            for (int c = 0; c < 3; ++c)
-                if (!(fabs(p[c]) <= largest_coordinate))
-                    return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: %c is %g, not within +-2^60", k, i,
-                                   "xyz"[c], p[c]);
-            if (!(p[3] > 0 && p[3] <= largest_weight && p[3] >= 1 / largest_weight))
-                return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: the weight is %g, not in 2^-40..2^40",
-                               k, i, p[3]);
-            for (int c = 0; c < 3; ++c) (*to)[c] = p[3] * p[c];
-            (*to)[3] = p[3];
-            if (p[3] != 1) a->rational = 1;
-        }
+        status = read_net(g, k, each, &from, g->points + a->first, &a->rational);
+        if (status != EP_OK) return status;
     }
     g->added_count += count;
     g->point_count += count * each;
@@ -125,10 +154,39 @@ EPStatus epAddBezierPatches(EPGeometry g, unsigned m, unsigned n, size_t count, 
     return add(g, EP_KIND_TENSOR, m, n, count, format, points, stride);
 }
 
-EPStatus epSetPatchTrim(EPGeometry g, uint32_t first, size_t count, EPRegion region)
+static EPStatus check_patches(EPGeometry g, uint32_t first, size_t count)
 {
     if (first > g->added_count || count > g->added_count - first)
         return ep_fail(&g->message, EP_INVALID, "there are no %zu patches from %u on", count, first);
+    return EP_OK;
+}
+
+EPStatus epSetPatchPoints(EPGeometry g, uint32_t first, size_t count, EPFormat format, const void *points,
+                          size_t stride)
+{
+    EPStatus status = check_patches(g, first, count);
+    if (status == EP_OK) status = check_layout(g, format, stride);
+    if (status != EP_OK || !count) return status;
+    if (!points) return ep_fail(&g->message, EP_INVALID, "no points");
+    uint8_t rational;
+    given_points from = {format, points, stride};
+    for (size_t k = 0; k < count; ++k) {
+        status = read_net(g, k, points_of(&g->added[first + k]), &from, NULL, &rational);
+        if (status != EP_OK) return status;
+    }
+    from.at = points;
+    for (size_t k = 0; k < count; ++k) {
+        ep_added *a = &g->added[first + k];
+        read_net(g, k, points_of(a), &from, g->points + a->first, &a->rational);
+    }
+    g->moved = true;
+    return EP_OK;
+}
+
+EPStatus epSetPatchTrim(EPGeometry g, uint32_t first, size_t count, EPRegion region)
+{
+    const EPStatus status = check_patches(g, first, count);
+    if (status != EP_OK) return status;
     if (region && !region->trim) return ep_fail(&g->message, EP_INVALID, "a trim's region is not complete");
     for (size_t i = first; i < first + count; ++i) {
         epRetainRegion(region);
@@ -186,10 +244,25 @@ static size_t bytes_of_regions(EPRegion *regions, size_t count)
     return bytes;
 }
 
+/* What was added, for the build to measure and cut; NULL: no memory. */
+static ep_patch *new_patches(EPGeometry g)
+{
+    ep_patch *patches = ep_alloc(g->added_count, sizeof *patches);
+    for (size_t i = 0; patches && i < g->added_count; ++i) {
+        const ep_added *a = &g->added[i];
+        patches[i] = (ep_patch){.points = g->points + a->first,
+                                .kind = a->kind,
+                                .degree_u = a->degree_u,
+                                .degree_v = a->degree_v,
+                                .rational = a->rational};
+    }
+    return patches;
+}
+
 EPStatus epCommitGeometry(EPGeometry g)
 {
     const double start = seconds();
-    ep_patch *patches = ep_alloc(g->added_count, sizeof *patches);
+    ep_patch *patches = new_patches(g);
     const ep_trim **trims = ep_alloc(g->added_count, sizeof *trims);
     EPRegion *regions = ep_alloc(g->added_count, sizeof *regions);
     if (!patches || !trims || !regions) {
@@ -199,28 +272,62 @@ EPStatus epCommitGeometry(EPGeometry g)
         return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
     }
     for (size_t i = 0; i < g->added_count; ++i) {
-        const ep_added *a = &g->added[i];
-        patches[i] = (ep_patch){.points = g->points + a->first,
-                                .kind = a->kind,
-                                .degree_u = a->degree_u,
-                                .degree_v = a->degree_v,
-                                .rational = a->rational};
-        trims[i] = a->region ? a->region->trim : NULL;
-        regions[i] = a->region;
+        regions[i] = g->added[i].region;
+        trims[i] = regions[i] ? regions[i]->trim : NULL;
     }
     const size_t region_bytes = bytes_of_regions(regions, g->added_count);
     ep_free(regions);
     ep_hierarchy h;
-    const EPStatus status = ep_build(patches, trims, g->added_count, &g->settings, &g->message, &h);
+    const bool on_demand = g->settings.onDemand;
+    const EPStatus status =
+        (on_demand ? ep_build_boxes : ep_build)(patches, trims, g->added_count, &g->settings, &g->message, &h);
     if (status != EP_OK) {
         ep_free(patches);
         ep_free(trims);
         return status;
     }
+    ep_demand_free(g);
     ep_hierarchy_free(&g->hierarchy);
     g->hierarchy = h;
+    g->on_demand = on_demand;
     g->region_bytes = region_bytes;
     g->committed = true;
+    g->moved = false;
+    g->build_seconds = seconds() - start;
+    return EP_OK;
+}
+
+static EPStatus refit_leaves(EPGeometry g, ep_patch *patches)
+{
+    return ep_refit(&g->hierarchy, patches, &g->settings, &g->message);
+}
+
+/* What was built before is no more: it is built again when it is met. */
+static EPStatus refit_boxes(EPGeometry g, ep_patch *patches)
+{
+    ep_hierarchy h;
+    const EPStatus status =
+        ep_build_boxes(patches, g->hierarchy.trims, g->hierarchy.patch_count, &g->settings, &g->message, &h);
+    if (status != EP_OK) return status;
+    ep_demand_clear(g);
+    g->hierarchy.trims = NULL;
+    ep_hierarchy_free(&g->hierarchy);
+    g->hierarchy = h;
+    return EP_OK;
+}
+
+EPStatus epRefitGeometry(EPGeometry g)
+{
+    const double start = seconds();
+    if (!g->committed) return ep_fail(&g->message, EP_INVALID, "epRefitGeometry before epCommitGeometry");
+    ep_patch *patches = new_patches(g);
+    if (!patches) return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
+    const EPStatus status = (g->on_demand ? refit_boxes : refit_leaves)(g, patches);
+    if (status != EP_OK) {
+        ep_free(patches);
+        return status;
+    }
+    g->moved = false;
     g->build_seconds = seconds() - start;
     return EP_OK;
 }
@@ -256,7 +363,7 @@ EPStatus epEvaluate(EPGeometry g, uint32_t primID, double u, double v, double P[
 float epGetHitError(EPGeometry g, uint32_t primID, const float org[3], const float dir[3], float t)
 {
     if (!g->committed || primID >= g->hierarchy.patch_count) return 0;
-    double error = g->hierarchy.patches[primID].error;
+    double error = g->on_demand ? ep_demand_error(g, primID) : g->hierarchy.patches[primID].error;
     for (int c = 0; c < 3; ++c) error += 4 * EP_EPS_F * (fabs(org[c]) + fabs((double)t * dir[c]));
     return ep_round_up(2 * error);
 }
@@ -277,10 +384,9 @@ void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
         .maximumDepth = h->maximum_depth,
         .averageThickness = h->average_thickness,
         .bytes = sizeof *g + g->added_capacity * sizeof *g->added + g->point_capacity * sizeof *g->points +
-                 h->patch_count * (sizeof *h->patches + sizeof *h->trims) + h->trim_words * sizeof *h->crossed +
-                 h->net_floats * sizeof(float) + h->leaf_count * (sizeof *h->leaves + sizeof *h->boxes) +
-                 g->region_bytes,
+                 ep_hierarchy_bytes(h) + g->region_bytes,
         .buildSeconds = g->build_seconds,
         .isa = g->kernels->isa,
     };
+    ep_demand_statistics(g, s);
 }

@@ -4,7 +4,7 @@
 #ifndef EP_GEOMETRY_H
 #define EP_GEOMETRY_H
 
-#include "embree_patch/build.h"
+#include "embree_patch/demand.h"
 #include "embree_patch/kernels.h"
 #include "embree_patch/region.h"
 
@@ -27,7 +27,10 @@ struct EPGeometryTy {
     size_t point_count, point_capacity;
     ep_hierarchy hierarchy; /* of the last commit */
     size_t region_bytes;    /* that trim it, then */
-    bool committed;
+    bool committed;         /* as the patches are, but for their points */
+    bool moved;             /* points were set since */
+    bool on_demand;         /* the last commit was: the hierarchy has a box a patch, and leaves are among the demands */
+    ep_demand *demands;
     double build_seconds;
     ep_message message;
 };

@@ -58,22 +58,22 @@
 /* Three cache lines, read once per visit; written by build.c, constant afterwards. Lengths are in leaf coordinates
  * unless said otherwise, and every bound includes the rounding of the frame itself to float. */
 typedef struct ep_leaf {
-    alignas(64) float frame[3][3];  /* M without its offset: columns for x, y, z; rows s, t, h                */
-    float centre[3], centre_low[3]; /* M's zero is centre + centre_low, exactly, in the geometry's space      */
-    float height;                   /* half the prism's thickness                                                 */
-    float side;                     /* how far the prism reaches beyond the domain                                */
-    float reach_st, reach_h;        /* rounding of M per unit of way, measured as |t| |d| in the sum norm          */
-    float middle;                   /* r_h at the middle of D; r_s and r_t are zero there                         */
-    float second[3][3];             /* r_ss, r_st, r_tt there; each for s, t, h: with `middle`, the model of r     */
-    float graph, foot;              /* how far the model may be off: heights over feet, and where a foot belongs   */
-    float bend_st, bend_h;          /* Lipschitz constants of the derivatives of (r_s, r_t), r_h                   */
-    float warp_st, warp_h;          /* the same for r minus the model                                             */
-    float noise_st, noise_h;        /* rounding errors of F: of its rows, and of the height that p multiplies     */
-    float domain[6];                /* u0, v0, uu, vv, uv, vu of ep_domain                                        */
-    float volume;                   /* S_u x S_v = volume * frame^T (S_s x S_t in leaf coordinates)               */
-    uint32_t patch;                 /* index of the patch                                                         */
-    uint32_t net;                   /* where its coefficients begin, in floats                                    */
-    uint32_t trim;                  /* what decides within it whether (u, v) is kept                              */
+    alignas(64) float frame[3][3];     /* M without its offset: columns for x, y, z; rows s, t, h                */
+    float centre[3], centre_low[3];    /* M's zero is centre + centre_low, exactly, in the geometry's space      */
+    float height;                      /* half the prism's thickness                                                 */
+    float side;                        /* how far the prism reaches beyond the domain                                */
+    float reach_st, reach_h;           /* rounding of M per unit of way, measured as |t| |d| in the sum norm          */
+    float middle;                      /* r_h at the middle of D; r_s and r_t are zero there                         */
+    float second[3][3];                /* r_ss, r_st, r_tt there; each for s, t, h: with `middle`, the model of r     */
+    float graph, foot;                 /* how far the model may be off: heights over feet, and where a foot belongs   */
+    float bend_st, bend_h;             /* Lipschitz constants of the derivatives of (r_s, r_t), r_h                   */
+    float warp_st, warp_h;             /* the same for r minus the model                                             */
+    float noise_st, noise_h;           /* rounding errors of F: of its rows, and of the height that p multiplies     */
+    float domain[6];                   /* u0, v0, uu, vv, uv, vu of ep_domain                                        */
+    float volume;                      /* S_u x S_v = volume * frame^T (S_s x S_t in leaf coordinates)               */
+    uint32_t patch;                    /* index of the patch                                                         */
+    uint32_t net;                      /* where its coefficients begin, in floats                                    */
+    uint32_t trim;                     /* 1 + where what decides about (u, v) within it begins; 0: all is kept       */
     uint8_t shape, degree_s, degree_t; /* of the coefficients; see ep_shape                                     */
     uint8_t rational : 1, stretch : 7; /* |Dr_st| <= stretch / EP_STRETCH over D; 127: not below one             */
 } ep_leaf;

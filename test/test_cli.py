@@ -138,6 +138,7 @@ def test_usage():
         (("trace", "s", "-x"), "unknown option '-x'"),
         (("trace", "s", "--width", "5"), "--width is '5', not one of 1.4.8.16"),
         (("trace", "s", "--coherent=yes"), "--coherent takes no value"),
+        (("render", "s", "-o", "i.png", "--on-demand", "--as", "triangles:4"), "--on-demand is for exact patches"),
         (("trace", "s", "--threads", "-1"), "--threads is '-1'"),
         (("trace", "s", "--threads", "2x"), "--threads is '2x'"),
         (("trace", "s", "--threads", "99999999999999999999"), "--threads is"),
@@ -170,7 +171,8 @@ def test_help():
         works(r)
         check(len(r.out) > 5, f"{r}: prints nothing")
     text = Run("trace", "--help").out.decode()
-    for option in ("--rays", "--hits", "--width", "--coherent", "--occluded", "--as", "--threads", "--stats", "--isa"):
+    for option in ("--rays", "--hits", "--width", "--coherent", "--occluded", "--as", "--threads", "--stats", "--isa",
+                   "--on-demand"):
         check(option in text, f"trace --help does not tell of {option}")
 
 
@@ -492,11 +494,12 @@ def test_agreement():
     base = trace(name, rays, "--width", 16)
     check(len({h[3] for h in base}) == 4, "the rays of the test hit every object and nothing")
     for args in (("--width", 1), ("--width", 4), ("--width", 8), ("--threads", 1), ("--threads", 2), ("--coherent",),
-                 ("--isa", "plain")):
+                 ("--on-demand",), ("--on-demand", "--width", 1), ("--isa", "plain")):
         check(trace(name, rays, *args) == base, f"{args}: other bits than --width 16")
     hit = [int(h[4] != MISS) for h in base]
     for width in (1, 4, 8, 16):
-        check(trace(name, rays, "--occluded", "--width", width) == hit, f"--occluded --width {width}")
+        for more in ((), ("--on-demand",)):
+            check(trace(name, rays, "--occluded", "--width", width, *more) == hit, f"--occluded --width {width} {more}")
 
 
 def test_objects():

@@ -162,6 +162,7 @@ int cmd_render(int argc, char **argv)
     render_command c = {.size = {1280, 720}, .spp = 16, .world.build = epDefaultBuildSettings()};
     double placed[10] = {[9] = NAN};
     unsigned up = 1, isa = 0;
+    bool on_demand = false;
     const arg_option options[] = {
         ARG_STRING("-o, --output", "IMAGE", &c.image, "the picture; its extension says the format"),
         ARG_SIZE("--size", "WxH", c.size, "pixels (1280x720)"),
@@ -176,6 +177,7 @@ int cmd_render(int argc, char **argv)
                 "more layers in the same image, which must be an\nEXR or TIFF; a ray through each pixel's centre"),
         ARG_CHOICE_N("--as", "patches|triangles:N", &c.world.tessellation, 1, 8192,
                      "exact patches, or each an N x N grid of Embree\ntriangles (patches)"),
+        ARG_FLAG("--on-demand", &on_demand, "cut a patch into leaves when a ray first meets it"),
         ARG_UNSIGNED("--threads", "N", &c.threads, 0, 1024, "at most so many threads; 0: all (0)"),
         ARG_STRING("--stats", "FILE", &c.stats, "counts and times as JSON"),
         ARG_CHOICE("--isa", "best|plain|avx2|avx512", &isa, "instruction set of the kernels (best)"),
@@ -189,6 +191,7 @@ int cmd_render(int argc, char **argv)
     int status = args_parse(&table, argc, argv);
     if (status != ARGS_GO) return status;
     if (!c.image) return args_wrong(&table, "-o IMAGE is missing");
+    if (on_demand && c.world.tessellation) return args_wrong(&table, "--on-demand is for exact patches");
     char why[500];
     if (c.stats && !strcmp(c.image, c.stats))
         return args_wrong(&table, "the picture and the stats cannot both go to %s", c.image);
@@ -208,5 +211,6 @@ int cmd_render(int argc, char **argv)
     }
     c.up = up ? 2 : 1;
     c.world.build.isa = sets[isa];
+    c.world.build.onDemand = on_demand;
     return run(&c) ? 0 : 1;
 }

@@ -74,6 +74,7 @@ int cmd_trace(int argc, char **argv)
     static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
     trace_command c = {.world.build = epDefaultBuildSettings()};
     unsigned width = 3, isa = 0;
+    bool on_demand = false;
     const arg_option options[] = {
         ARG_STRING("--rays", "FILE", &c.rays,
                    "8 little-endian float32 a ray: org.x org.y org.z tnear\ndir.x dir.y dir.z tfar"),
@@ -84,6 +85,7 @@ int cmd_trace(int argc, char **argv)
         ARG_FLAG("--occluded", &c.trace.occluded, "only whether anything is hit: one byte a ray, 1 or 0"),
         ARG_CHOICE_N("--as", "patches|triangles:N", &c.world.tessellation, 1, 8192,
                      "exact patches, or each an N x N grid of Embree\ntriangles (patches)"),
+        ARG_FLAG("--on-demand", &on_demand, "cut a patch into leaves when a ray first meets it"),
         ARG_UNSIGNED("--threads", "N", &c.trace.threads, 0, 1024, "at most so many threads; 0: all (0)"),
         ARG_STRING("--stats", "FILE", &c.stats, "counts and times as JSON"),
         ARG_CHOICE("--isa", "best|plain|avx2|avx512", &isa, "instruction set of the kernels (best)"),
@@ -100,6 +102,7 @@ int cmd_trace(int argc, char **argv)
     if (status != ARGS_GO) return status;
     if (!c.rays) return args_wrong(&table, "--rays FILE is missing");
     if (!c.hits) return args_wrong(&table, "--hits FILE is missing");
+    if (on_demand && c.world.tessellation) return args_wrong(&table, "--on-demand is for exact patches");
     if (!strcmp(c.scene, "-") && !strcmp(c.rays, "-"))
         return args_wrong(&table, "the scene and the rays cannot both come from standard input");
     if (c.stats && !strcmp(c.hits, c.stats))
@@ -107,6 +110,7 @@ int cmd_trace(int argc, char **argv)
                           strcmp(c.hits, "-") ? c.hits : "standard output");
     c.trace.width = widths[width];
     c.world.build.isa = sets[isa];
+    c.world.build.onDemand = on_demand;
 
     size_t count;
     trace_ray *rays = trace_read_rays(c.rays, &count);

@@ -16,9 +16,10 @@ json_t *stats_of_world(const world *w)
         epGetGeometryStatistics(w->geometries[0], &statistics);
         if (statistics.isa) isa = statistics.isa;
     }
+    const world_size size = world_measure(w);
     return json_pack("{s:f, s:I, s:I, s:I, s:s}", "build_seconds", w->build_seconds, "bytes_patches",
-                     (json_int_t)w->bytes_patches, "bytes_embree", (json_int_t)w->bytes_embree, "leaves",
-                     (json_int_t)w->leaves, "isa", isa);
+                     (json_int_t)size.bytes_patches, "bytes_embree", (json_int_t)size.bytes_embree, "leaves",
+                     (json_int_t)size.leaves, "isa", isa);
 }
 
 double stats_mean_iterations(const EPCounters *cost)

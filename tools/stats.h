@@ -8,8 +8,8 @@
 
 #include <jansson.h>
 
-/* How a world was built: build_seconds, bytes_patches, bytes_embree, leaves, isa. NULL when there is no memory; so are
- * the others. */
+/* How a world was built, and what it holds by now: build_seconds, bytes_patches, bytes_embree, leaves, isa. NULL when
+ * there is no memory; so are the others. */
 json_t *stats_of_world(const world *w);
 
 /* What tracing cost: newton_iterations_mean, slow_path_rays, visits, solves, cells. */

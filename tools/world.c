@@ -156,21 +156,13 @@ static bool build_geometry(world *w, size_t i, const world_options *o, int threa
 
     if (o->tessellation) {
         tessellation *t = &w->p->tessellations[i];
-        if (!tessellate(w->scene->path, g, e, o->tessellation, threads, t)) return false;
-        w->bytes_patches += t->bytes;
-        return true;
+        return tessellate(w->scene->path, g, e, o->tessellation, threads, t);
     }
     EPBuildSettings settings = o->build;
     settings.threads = (unsigned)threads;
     settings.rayDistance = (float)fmin(ray_distance(w->scene, i, o->ray_distance), FLT_MAX);
     if (surface_failed(w, i, epSetGeometryBuildSettings(e, &settings))) return false;
-    if (surface_failed(w, i, epCommitGeometry(e))) return false;
-
-    EPStatistics statistics;
-    epGetGeometryStatistics(e, &statistics);
-    w->leaves += statistics.leaves;
-    w->bytes_patches += statistics.bytes;
-    return true;
+    return !surface_failed(w, i, epCommitGeometry(e));
 }
 
 /* A committed RTCGeometry; NULL after a message. */
@@ -303,8 +295,24 @@ world *world_new(const scene *s, const world_options *o)
         return NULL;
     }
     w->build_seconds = wall_seconds() - start;
-    w->bytes_embree = (size_t)atomic_load(&w->p->embree_bytes);
+    const world_size size = world_measure(w);
+    w->bytes_patches = size.bytes_patches;
+    w->bytes_embree = size.bytes_embree;
+    w->leaves = size.leaves;
     return w;
+}
+
+world_size world_measure(const world *w)
+{
+    world_size size = {.bytes_embree = (size_t)atomic_load(&w->p->embree_bytes)};
+    for (size_t i = 0; i < w->scene->geometry_count; ++i) {
+        const tessellation *t = &w->p->tessellations[i];
+        EPStatistics statistics;
+        epGetGeometryStatistics(w->geometries[i], &statistics);
+        size.leaves += statistics.leaves;
+        size.bytes_patches += t->n ? t->bytes : statistics.bytes;
+    }
+    return size;
 }
 
 void world_free(world *w)

@@ -23,9 +23,7 @@ typedef struct world {
     EPGeometry *geometries; /* one per scene geometry (built with --as triangles too: they evaluate) */
     float bounds[6];        /* lower, upper corner of everything, world space */
     double build_seconds;   /* from parsed input to committed scene */
-    size_t bytes_patches;   /* our own allocations, or the tessellation's buffers */
-    size_t bytes_embree;    /* Embree's memory monitor at its end */
-    size_t leaves;
+    size_t bytes_patches, bytes_embree, leaves; /* of world_measure, then */
     /* private: tessellation buffers, instance scenes */
     struct world_private *p;
 } world;
@@ -33,6 +31,14 @@ typedef struct world {
 /* Builds and commits. On failure prints one line to standard error and returns NULL. */
 world *world_new(const scene *s, const world_options *o);
 void world_free(world *w);
+
+/* What there is now: on demand, it gets more. */
+typedef struct world_size {
+    size_t bytes_patches; /* our own allocations, or the tessellation's buffers */
+    size_t bytes_embree;  /* Embree's memory monitor                            */
+    size_t leaves;
+} world_size;
+world_size world_measure(const world *w);
 
 /* What a hit means in the terms of CONTRACT.md. A single untransformed object is attached to the top-level scene
  * directly; a transformed one is an Embree instance. */

@@ -74,9 +74,9 @@ ep_polished ep_polish_candidate(const ep_query *q, unsigned lane, ep_candidates 
  * within EP_FLAT (isa/newton_tmpl.h) of the leaf, of its certificate as much again, and both add up in a triangle. */
 static bool is_at_border(const ep_query *q, unsigned lane, const ep_candidates *c)
 {
-    const ep_hierarchy *h = &q->geometry->hierarchy;
+    const ep_hierarchy *h = q->hierarchy;
     const ep_trim *trim = h->trims[q->leaf->patch];
-    const uint32_t node = q->leaf->trim;
+    const uint32_t node = q->leaf->trim - 1;
     const float *d = q->leaf->domain;
     const double extent = fmax(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
     const double u = c->hit[EP_HIT_U * q->n + lane], v = c->hit[EP_HIT_V * q->n + lane];
@@ -90,9 +90,9 @@ static bool is_at_border(const ep_query *q, unsigned lane, const ep_candidates *
 /* Those of the candidates in `mask` that a leaf which trim curves cross keeps. */
 static uint32_t inside(const ep_query *q, uint32_t mask, const ep_candidates *c)
 {
-    const ep_hierarchy *h = &q->geometry->hierarchy;
-    uint32_t in = ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim, q->n, c->hit + EP_HIT_U * q->n,
-                                 c->hit + EP_HIT_V * q->n, mask);
+    const ep_hierarchy *h = q->hierarchy;
+    uint32_t in = ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim - 1, q->n,
+                                 c->hit + EP_HIT_U * q->n, c->hit + EP_HIT_V * q->n, mask);
     for (uint32_t rest = mask & ~in; rest; rest &= rest - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(rest);
         in |= (uint32_t)is_at_border(q, lane, c) << lane;

@@ -23,6 +23,7 @@ typedef struct ep_query {
     const struct RTCIntersectFunctionNArguments *intersect;
     const struct RTCOccludedFunctionNArguments *occluded;
     EPGeometry geometry;
+    const ep_hierarchy *hierarchy; /* the geometry's, or that of one patch */
     const ep_leaf *leaf;
     const float *net;
     ep_rtc_context *context;
@@ -48,7 +49,7 @@ void ep_put_lane(const ep_lane *one, const ep_query *packet, unsigned lane);
 
 static inline const ep_patch *ep_patch_of(const ep_query *q)
 {
-    return &q->geometry->hierarchy.patches[q->leaf->patch];
+    return &q->hierarchy->patches[q->leaf->patch];
 }
 
 /* Is a candidate in front of what the ray has? Neighbouring leaves both find a root on their common border; where

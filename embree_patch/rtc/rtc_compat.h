@@ -60,24 +60,33 @@ static inline void ep_rtc_report(int *valid, unsigned lane, bool hit)
 #endif
 }
 
-/* One query of `width` rays: 1, 4, 8 or 16. `rayhit` is an RTCRayHit or RTCRayHit<width>, `valid` is width ints (-1
- * active, 0 not; ignored for width 1). */
-static inline void ep_rtc_intersect(RTCScene scene, unsigned width, const int *valid, void *rayhit, bool coherent)
+static inline void ep_rtc_init_context(ep_rtc_context *c)
 {
 #if EP_EMBREE == 3
-    struct RTCIntersectContext c;
-    rtcInitIntersectContext(&c);
-    c.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    rtcInitIntersectContext(c);
+#else
+    rtcInitRayQueryContext(c);
+#endif
+}
+
+/* One query of `width` rays: 1, 4, 8 or 16. `rayhit` is an RTCRayHit or RTCRayHit<width>, `valid` is width ints (-1
+ * active, 0 not; ignored for width 1). `c` has been initialised. */
+static inline void ep_rtc_intersect_in(ep_rtc_context *c, RTCScene scene, unsigned width, const int *valid,
+                                       void *rayhit, bool coherent)
+{
+#if EP_EMBREE == 3
+    c->flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     switch (width) {
-    case 1: rtcIntersect1(scene, &c, (struct RTCRayHit *)rayhit); break;
-    case 4: rtcIntersect4(valid, scene, &c, (struct RTCRayHit4 *)rayhit); break;
-    case 8: rtcIntersect8(valid, scene, &c, (struct RTCRayHit8 *)rayhit); break;
-    default: rtcIntersect16(valid, scene, &c, (struct RTCRayHit16 *)rayhit); break;
+    case 1: rtcIntersect1(scene, c, (struct RTCRayHit *)rayhit); break;
+    case 4: rtcIntersect4(valid, scene, c, (struct RTCRayHit4 *)rayhit); break;
+    case 8: rtcIntersect8(valid, scene, c, (struct RTCRayHit8 *)rayhit); break;
+    default: rtcIntersect16(valid, scene, c, (struct RTCRayHit16 *)rayhit); break;
     }
 #else
     struct RTCIntersectArguments a;
     rtcInitIntersectArguments(&a);
     a.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    a.context = c;
     switch (width) {
     case 1: rtcIntersect1(scene, (struct RTCRayHit *)rayhit, &a); break;
     case 4: rtcIntersect4(valid, scene, (struct RTCRayHit4 *)rayhit, &a); break;
@@ -88,22 +97,22 @@ static inline void ep_rtc_intersect(RTCScene scene, unsigned width, const int *v
 }
 
 /* The same for occlusion: `ray` is an RTCRay or RTCRay<width>; an occluded ray comes back with tfar = -inf. */
-static inline void ep_rtc_occluded(RTCScene scene, unsigned width, const int *valid, void *ray, bool coherent)
+static inline void ep_rtc_occluded_in(ep_rtc_context *c, RTCScene scene, unsigned width, const int *valid, void *ray,
+                                      bool coherent)
 {
 #if EP_EMBREE == 3
-    struct RTCIntersectContext c;
-    rtcInitIntersectContext(&c);
-    c.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    c->flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     switch (width) {
-    case 1: rtcOccluded1(scene, &c, (struct RTCRay *)ray); break;
-    case 4: rtcOccluded4(valid, scene, &c, (struct RTCRay4 *)ray); break;
-    case 8: rtcOccluded8(valid, scene, &c, (struct RTCRay8 *)ray); break;
-    default: rtcOccluded16(valid, scene, &c, (struct RTCRay16 *)ray); break;
+    case 1: rtcOccluded1(scene, c, (struct RTCRay *)ray); break;
+    case 4: rtcOccluded4(valid, scene, c, (struct RTCRay4 *)ray); break;
+    case 8: rtcOccluded8(valid, scene, c, (struct RTCRay8 *)ray); break;
+    default: rtcOccluded16(valid, scene, c, (struct RTCRay16 *)ray); break;
     }
 #else
     struct RTCOccludedArguments a;
     rtcInitOccludedArguments(&a);
     a.flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
+    a.context = c;
     switch (width) {
     case 1: rtcOccluded1(scene, (struct RTCRay *)ray, &a); break;
     case 4: rtcOccluded4(valid, scene, (struct RTCRay4 *)ray, &a); break;
@@ -111,6 +120,21 @@ static inline void ep_rtc_occluded(RTCScene scene, unsigned width, const int *va
     default: rtcOccluded16(valid, scene, (struct RTCRay16 *)ray, &a); break;
     }
 #endif
+}
+
+/* In a context of its own. */
+static inline void ep_rtc_intersect(RTCScene scene, unsigned width, const int *valid, void *rayhit, bool coherent)
+{
+    ep_rtc_context c;
+    ep_rtc_init_context(&c);
+    ep_rtc_intersect_in(&c, scene, width, valid, rayhit, coherent);
+}
+
+static inline void ep_rtc_occluded(RTCScene scene, unsigned width, const int *valid, void *ray, bool coherent)
+{
+    ep_rtc_context c;
+    ep_rtc_init_context(&c);
+    ep_rtc_occluded_in(&c, scene, width, valid, ray, coherent);
 }
 
 #endif

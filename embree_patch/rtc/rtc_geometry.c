@@ -5,6 +5,7 @@
  * A callback is one leaf and a packet of 1, 4, 8 or 16 rays. The kernel answers for most lanes (kernels.h), search.h
  * for those that it cannot decide; what is found is offered to filters (offer.h). */
 #include "embree_patch/counters.h"
+#include "embree_patch/rtc/on_demand.h"
 #include "embree_patch/rtc/search.h"
 
 /* Those of the kernel's candidates that are to be offered. Lanes whose vague root is lost are slow. */
@@ -36,10 +37,17 @@ static inline bool is_open(ep_outcome o)
     return (o.hit | o.slow) != 0;
 }
 
-static inline ep_outcome meet(EPGeometry g, const ep_leaf *leaf, const float *ray, ep_candidates *c,
+static inline ep_outcome meet(EPGeometry g, const ep_leaf *leaf, const float *net, const float *ray, ep_candidates *c,
                               EPCounters *counters)
 {
-    return g->kernels->single[leaf->shape](leaf, g->hierarchy.nets + leaf->net, ray, c->t, c->hit, counters);
+    return g->kernels->single[leaf->shape](leaf, net, ray, c->t, c->hit, counters);
+}
+
+static uint32_t run_single(const ep_query *q, EPCounters *counters)
+{
+    ep_candidates c;
+    const ep_outcome o = meet(q->geometry, q->leaf, q->net, q->ray, &c, counters);
+    return is_open(o) ? answer(q, o, &c, counters) : 0;
 }
 
 /* A packet's few active rays, one at a time: for up to two that is cheaper, and gives the same bits. */
@@ -48,11 +56,9 @@ static uint32_t run_sparse(const ep_query *q, uint32_t active, EPCounters *count
     uint32_t accepted = 0;
     for (; active; active &= active - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(active);
-        ep_candidates c;
         ep_lane one;
         ep_take_lane(q, lane, &one);
-        const ep_outcome o = meet(q->geometry, q->leaf, one.ray, &c, counters);
-        if (!is_open(o) || !answer(&one.query, o, &c, counters)) continue;
+        if (!run_single(&one.query, counters)) continue;
         accepted |= 1u << lane;
         ep_put_lane(&one, q, lane);
     }
@@ -67,9 +73,15 @@ static uint32_t run_packet(const ep_query *q, uint32_t active, EPCounters *count
     return is_open(o) ? answer(q, o, &c, counters) : 0;
 }
 
-static void run(const ep_query *q, int *valid)
+uint32_t ep_visit(const ep_query *q, int *valid)
 {
     EPCounters *counters = ep_counters();
+    if (q->n == 1) {
+        if (!valid[0]) return 0;
+        const uint32_t accepted = run_single(q, counters);
+        ep_rtc_report(valid, 0, accepted);
+        return accepted;
+    }
     const uint32_t active = q->geometry->kernels->active(valid, q->n);
     const uint32_t beyond = active & (active - 1); /* all but the first */
     const uint32_t accepted = beyond & (beyond - 1) ? run_packet(q, active, counters) : run_sparse(q, active, counters);
@@ -77,6 +89,7 @@ static void run(const ep_query *q, int *valid)
         const unsigned lane = (unsigned)__builtin_ctz(rest);
         ep_rtc_report(valid, lane, accepted >> lane & 1);
     }
+    return accepted;
 }
 
 static ep_query intersect_query(const struct RTCIntersectFunctionNArguments *args)
@@ -85,6 +98,7 @@ static ep_query intersect_query(const struct RTCIntersectFunctionNArguments *arg
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
     return (ep_query){.intersect = args,
                       .geometry = g,
+                      .hierarchy = &g->hierarchy,
                       .leaf = leaf,
                       .net = g->hierarchy.nets + leaf->net,
                       .context = args->context,
@@ -99,6 +113,7 @@ static ep_query occluded_query(const struct RTCOccludedFunctionNArguments *args)
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
     return (ep_query){.occluded = args,
                       .geometry = g,
+                      .hierarchy = &g->hierarchy,
                       .leaf = leaf,
                       .net = g->hierarchy.nets + leaf->net,
                       .context = args->context,
@@ -111,7 +126,7 @@ static ep_query occluded_query(const struct RTCOccludedFunctionNArguments *args)
 static __attribute__((noinline)) void intersect_packet(const struct RTCIntersectFunctionNArguments *args)
 {
     const ep_query q = intersect_query(args);
-    run(&q, args->valid);
+    ep_visit(&q, args->valid);
 }
 
 static __attribute__((noinline)) void intersect_found(const struct RTCIntersectFunctionNArguments *args, ep_outcome o,
@@ -131,7 +146,8 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
     const EPGeometry g = args->geometryUserPtr;
     EPCounters *counters = ep_counters();
     ep_candidates c;
-    const ep_outcome o = meet(g, &g->hierarchy.leaves[args->primID], (const float *)args->rayhit, &c, counters);
+    const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
+    const ep_outcome o = meet(g, leaf, g->hierarchy.nets + leaf->net, (const float *)args->rayhit, &c, counters);
     if (is_open(o)) intersect_found(args, o, &c, counters);
     else ep_rtc_report(args->valid, 0, 0);
 }
@@ -139,7 +155,7 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
 static __attribute__((noinline)) void occluded_packet(const struct RTCOccludedFunctionNArguments *args)
 {
     const ep_query q = occluded_query(args);
-    run(&q, args->valid);
+    ep_visit(&q, args->valid);
 }
 
 static __attribute__((noinline)) void occluded_found(const struct RTCOccludedFunctionNArguments *args, ep_outcome o,
@@ -159,7 +175,8 @@ static void occluded(const struct RTCOccludedFunctionNArguments *args)
     const EPGeometry g = args->geometryUserPtr;
     EPCounters *counters = ep_counters();
     ep_candidates c;
-    const ep_outcome o = meet(g, &g->hierarchy.leaves[args->primID], (const float *)args->ray, &c, counters);
+    const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
+    const ep_outcome o = meet(g, leaf, g->hierarchy.nets + leaf->net, (const float *)args->ray, &c, counters);
     if (is_open(o)) occluded_found(args, o, &c, counters);
     else ep_rtc_report(args->valid, 0, 0);
 }
@@ -167,29 +184,38 @@ static void occluded(const struct RTCOccludedFunctionNArguments *args)
 static void bounds(const struct RTCBoundsFunctionArguments *args)
 {
     const EPGeometry g = args->geometryUserPtr;
-    const ep_box *b = &g->hierarchy.boxes[args->primID];
-    struct RTCBounds *o = args->bounds_o;
-    o->lower_x = b->lower[0], o->lower_y = b->lower[1], o->lower_z = b->lower[2];
-    o->upper_x = b->upper[0], o->upper_y = b->upper[1], o->upper_z = b->upper[2];
+    ep_give_box(&g->hierarchy.boxes[args->primID], args->bounds_o);
+}
+
+RTCGeometry ep_new_user_geometry(RTCDevice device, size_t count, void *user, const ep_callbacks *callbacks)
+{
+    RTCGeometry rtc = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    if (!rtc) return NULL;
+    rtcSetGeometryUserPrimitiveCount(rtc, (unsigned)count);
+    rtcSetGeometryUserData(rtc, user);
+    rtcSetGeometryBoundsFunction(rtc, callbacks->bounds, NULL);
+    rtcSetGeometryIntersectFunction(rtc, callbacks->intersect);
+    rtcSetGeometryOccludedFunction(rtc, callbacks->occluded);
+    rtcSetGeometryMask(rtc, 0xFFFFFFFFu); /* Embree 4 would start with 1 */
+    rtcCommitGeometry(rtc);
+    return rtc;
 }
 
 RTCGeometry epNewRTCGeometry(EPGeometry g, RTCDevice device)
 {
-    if (!g->committed) {
-        ep_fail(&g->message, EP_INVALID, "epNewRTCGeometry before epCommitGeometry");
+    if (!g->committed || g->moved) {
+        ep_fail(&g->message, EP_INVALID, "epNewRTCGeometry before %s",
+                g->committed ? "epRefitGeometry or epCommitGeometry" : "epCommitGeometry");
         return NULL;
     }
-    RTCGeometry rtc = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-    if (!rtc) {
-        ep_fail(&g->message, EP_FOREIGN, "rtcNewGeometry: Embree's error %d", (int)rtcGetDeviceError(device));
+    void *user = g;
+    if (g->on_demand && !(user = ep_demand_for(g, device, rtcReleaseScene))) {
+        ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->hierarchy.patch_count);
         return NULL;
     }
-    rtcSetGeometryUserPrimitiveCount(rtc, (unsigned)g->hierarchy.leaf_count);
-    rtcSetGeometryUserData(rtc, g);
-    rtcSetGeometryBoundsFunction(rtc, bounds, NULL);
-    rtcSetGeometryIntersectFunction(rtc, intersect);
-    rtcSetGeometryOccludedFunction(rtc, occluded);
-    rtcSetGeometryMask(rtc, 0xFFFFFFFFu); /* Embree 4 would start with 1 */
-    rtcCommitGeometry(rtc);
+    static const ep_callbacks leaves = {bounds, intersect, occluded};
+    RTCGeometry rtc =
+        ep_new_user_geometry(device, g->hierarchy.box_count, user, g->on_demand ? &ep_on_demand : &leaves);
+    if (!rtc) ep_fail(&g->message, EP_FOREIGN, "rtcNewGeometry: Embree's error %d", (int)rtcGetDeviceError(device));
     return rtc;
 }

@@ -68,7 +68,7 @@ enum { TANGENT_PARTS = 16 };
 
 static double tangent_step(const search *s)
 {
-    const ep_hierarchy *h = &s->lane.query.geometry->hierarchy;
+    const ep_hierarchy *h = s->lane.query.hierarchy;
     const ep_box *b = &h->boxes[s->lane.query.leaf - h->leaves];
     double size = 0, speed = 0;
     for (int k = 0; k < 3; ++k) {
