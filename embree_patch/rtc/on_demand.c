@@ -129,6 +129,8 @@ static void visit_patch(ep_demand *d, uint32_t patch, const ep_query *outer, int
     } else if (b->scene) {
         in.query.hierarchy = &b->hierarchy;
         ep_rtc_init_context(&in.context);
+        /* Never as coherent rays: Embree 3.13.5 does not always return from rtcOccluded16 with such rays when one scene
+         * of user geometry is entered from within another, as by an instance. */
         if (outer->intersect) ep_rtc_intersect_in(&in.context, b->scene, outer->n, mask, outer->ray, false);
         else ep_rtc_occluded_in(&in.context, b->scene, outer->n, mask, outer->ray, false);
     }
