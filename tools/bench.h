@@ -60,6 +60,7 @@ typedef struct bench_subject {
 typedef struct bench_rays {
     trace_ray *of[BENCH_KINDS];
     size_t count[BENCH_KINDS];
+    bool takes_coherent[2]; /* rays; occlusion rays: see world_takes_coherent */
 } bench_rays;
 
 typedef struct bench_options {

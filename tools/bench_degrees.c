@@ -151,7 +151,7 @@ bool bench_degrees(const bench_options *o, bench_form form)
 {
     degree d[SUBJECTS] = {0};
     trace_ray *picture = malloc(SIDE * SIDE * sizeof *picture);
-    const bench_rays rays = {{picture}, {SIDE * SIDE}};
+    const bench_rays rays = {{picture}, {SIDE * SIDE}, {true, true}};
     bool done = picture;
     if (picture) fill_rays(picture);
     else report_no_memory(NULL);

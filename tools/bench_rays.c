@@ -245,7 +245,7 @@ static void segments(const site *sites, size_t count, vec3 light, float radius, 
 bool bench_rays_new(bench_rays *r, const world *w, const bench_options *o)
 {
     const surroundings s = box_of(w);
-    *r = (bench_rays){0};
+    *r = (bench_rays){.takes_coherent = {world_takes_coherent(w, false), world_takes_coherent(w, true)}};
     if (!(s.radius > 0 && s.radius < (double)INFINITY))
         return report_file(w->scene->path, "there is nothing to measure: no patch has an extent"), false;
     if (!primary(w, o, r)) return false;

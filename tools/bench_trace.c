@@ -74,7 +74,7 @@ bool bench_trace(RTCScene rtc, const bench_workload *w, const bench_rays *r, siz
 {
     _Alignas(64) static const int all[16] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
     const unsigned width = w->width;
-    const bool occluded = w->occluded, coherent = w->coherent;
+    const bool occluded = w->occluded, coherent = w->coherent && r->takes_coherent[occluded];
     const clockid_t clock = threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
     const size_t block_bytes = ray_bytes(w) * BLOCK_RAYS, stride = ray_bytes(w) * width;
     const size_t blocks = bench_blocks(w, r), rays = r->count[w->kind];

@@ -153,14 +153,15 @@ bool trace_rays(const world *w, const trace_ray *rays, size_t count, const trace
         for (size_t p = 0; p < packet_count; ++p)
             pack(in + p * width, n - p * width, width, occluded, packets + p * stride, valid + p * width);
 
+        const bool said = coherent && world_takes_coherent(w, occluded);
         double start = wall_seconds();
 #pragma omp parallel for schedule(dynamic, PACKETS_A_TURN) num_threads(threads)
         for (size_t p = 0; p < packet_count; ++p) {
             void *packet = packets + p * stride;
             const int *on = valid + p * width;
             if (width == 1 && !*on) continue;
-            if (occluded) ep_rtc_occluded(w->rtc, width, on, packet, coherent);
-            else ep_rtc_intersect(w->rtc, width, on, packet, coherent);
+            if (occluded) ep_rtc_occluded(w->rtc, width, on, packet, said);
+            else ep_rtc_intersect(w->rtc, width, on, packet, said);
         }
         result->seconds += wall_seconds() - start;
 

@@ -206,6 +206,7 @@ static RTCGeometry new_instance(world *w, const scene_object *o)
 {
     RTCScene s = instanced_scene(w, o->geometry);
     if (!s) return NULL;
+    w->instances = true;
     RTCGeometry g = rtcNewGeometry(w->device, RTC_GEOMETRY_TYPE_INSTANCE);
     if (!g) {
         if (!embree_failed(w)) report_no_memory(w->scene->path);

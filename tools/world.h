@@ -22,6 +22,7 @@ typedef struct world {
     RTCScene rtc;           /* the committed top-level scene */
     EPGeometry *geometries; /* one per scene geometry (built with --as triangles too: they evaluate) */
     float bounds[6];        /* lower, upper corner of everything, world space */
+    bool instances;         /* there are any                                  */
     double build_seconds;   /* from parsed input to committed scene */
     size_t bytes_patches, bytes_embree, leaves; /* of world_measure, then */
     /* private: tessellation buffers, instance scenes */
@@ -39,6 +40,13 @@ typedef struct world_size {
     size_t leaves;
 } world_size;
 world_size world_measure(const world *w);
+
+/* Whether a packet of coherent rays may be said to be coherent. Embree 3.13.5 does not return from some packets of 16
+ * occlusion rays at instanced user geometries: it expects a vector register back that a callback need not keep. */
+static inline bool world_takes_coherent(const world *w, bool occluded)
+{
+    return EP_EMBREE != 3 || !occluded || !w->instances;
+}
 
 /* What a hit means in the terms of CONTRACT.md. A single untransformed object is attached to the top-level scene
  * directly; a transformed one is an Embree instance. */
