@@ -441,7 +441,7 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, e
     f->regular = leaf->height < INFINITY && leaf->side < INFINITY;
     f->thickness = 2 * ep_mag(b[2].value);
     f->distortion = fmax(ep_mag(b[0].ds) + ep_mag(b[0].dt), ep_mag(b[1].ds) + ep_mag(b[1].dt));
-    leaf->stretch = (uint8_t)fmin(ceil(EP_STRETCH * f->distortion), EP_STRETCH - 1);
+    leaf->stretch = (uint8_t)fmin(ceil(EP_STRETCH * f->distortion), EP_STRETCH);
     const double lost = reduce(f);
     model(f, b, &w, lost, leaf);
     rounding(p, f, &g, &w, lost, leaf);

@@ -75,9 +75,9 @@ typedef struct ep_leaf {
     uint32_t net;                      /* where its coefficients begin, in floats                                    */
     uint32_t trim;                     /* 1 + where what decides about (u, v) within it begins; 0: all is kept       */
     uint8_t shape, degree_s, degree_t; /* of the coefficients; see ep_shape                                     */
-    uint8_t rational : 1, stretch : 7; /* |Dr_st| <= stretch / EP_STRETCH over D; 127: not below one             */
+    uint8_t rational : 1, stretch : 7; /* |Dr_st| <= stretch / EP_STRETCH over D, or is not below one             */
 } ep_leaf;
-enum { EP_STRETCH = 128 };
+enum { EP_STRETCH = 127 };
 _Static_assert(sizeof(ep_leaf) == 192, "a leaf is three cache lines");
 
 /* The coefficient of s^i t^j stands at the index that the kind gives to (i, j), (r_s, r_t, r_h) or, if rational,

@@ -95,7 +95,7 @@ static void bounds_of(const ep_leaf *leaf, double bound[BOUNDS])
     const double all[BOUNDS] = {
         leaf->side,   leaf->height,  leaf->bend_st,
         leaf->bend_h, leaf->warp_st, leaf->warp_h,
-        leaf->graph,  leaf->foot,    leaf->stretch < EP_STRETCH - 1 ? (double)leaf->stretch / EP_STRETCH : INFINITY};
+        leaf->graph,  leaf->foot,    leaf->stretch < EP_STRETCH ? (double)leaf->stretch / EP_STRETCH : INFINITY};
     for (int k = 0; k < BOUNDS; ++k) bound[k] = all[k];
 }
 
@@ -231,8 +231,7 @@ static void attained(void **state)
             if (bound[b] > 1e-3) best[b] = fmax(best[b], most[b] / bound[b]);
         }
     }
-    for (int b = 0; b < BOUNDS; ++b)
-        CHECK(best[b] > 0.9, "%s: no more than %.3g of the bound", names[b], best[b]);
+    for (int b = 0; b < BOUNDS; ++b) CHECK(best[b] > 0.9, "%s: no more than %.3g of the bound", names[b], best[b]);
 }
 
 /* Leaves are dyadic parts of the domain: together they cover it without overlap. */

@@ -155,7 +155,7 @@ uint32_t ep_search(const ep_query *q, uint32_t slow, EPCounters *counters)
     static const float begin[RAYS] = {-1, -1, -1, -1}, end[RAYS] = {1, 1, 1, 1};
     uint32_t accepted = 0;
     /* where the parametrisation folds or collapses, cells cannot decide either */
-    const bool cut = q->leaf->height < INFINITY && q->leaf->stretch < EP_STRETCH - 1;
+    const bool cut = q->leaf->height < INFINITY && q->leaf->stretch < EP_STRETCH;
     while (slow) {
         unsigned lanes[RAYS], count = 0;
         for (; slow && count < RAYS; slow &= slow - 1) lanes[count++] = (unsigned)__builtin_ctz(slow);
