@@ -291,11 +291,15 @@ static void square(const ep_taylor x[2], const ep_monomials *m, ep_taylor square
 }
 
 /* The model is r's middle and its second derivatives there. The graph: r_h - middle - H_h u²/2 over the feet u = x +
- * r_st. The foot: x less what w_start makes of u. Both are of the third order: models of the second with a remainder
- * would lose in u what distortion adds to r_h. */
+ * r_st. The foot: x less what w_start makes of u. Bounds on r's derivatives would not do: what distortion adds to r_h
+ * is in u too, and cancels. */
 static void model(const ep_fit *f, const bounds b[3], const weight *w, double lost, ep_leaf *leaf)
 {
-    ep_monomials m;
+    static const ep_monomials square_piece = {.corners = 4, .corner = {{-.5, -.5}, {.5, -.5}, {.5, .5}, {-.5, .5}}},
+                              triangle_piece = {
+                                  .corners = 3,
+                                  .corner = {{-1.0 / 3, -1.0 / 3}, {2.0 / 3, -1.0 / 3}, {-1.0 / 3, 2.0 / 3}}};
+    ep_monomials m = f->kind == &ep_kinds[EP_KIND_TRIANGLE] ? triangle_piece : square_piece;
     for (unsigned d = 0, n = 0; d <= EP_TAYLOR_DEGREE; ++d)
         for (unsigned j = 0; j <= d; ++j, ++n) m.max[n] = f->kind->monomial(d - j, j);
     leaf->middle = (float)f->rest[0][2];

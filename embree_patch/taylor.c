@@ -60,10 +60,36 @@ ep_taylor ep_taylor_divide(const ep_taylor *a, const ep_taylor *b, double low, c
     return q;
 }
 
+/* The largest Bernstein coefficient of a cubic, halved so many times: no value is larger. */
+static double cubic_bound(const double b[4], int halvings)
+{
+    if (!halvings) return fmax(fmax(fabs(b[0]), fabs(b[1])), fmax(fabs(b[2]), fabs(b[3])));
+    const double c01 = (b[0] + b[1]) / 2, c12 = (b[1] + b[2]) / 2, c23 = (b[2] + b[3]) / 2;
+    const double d0 = (c01 + c12) / 2, d1 = (c12 + c23) / 2, middle = (d0 + d1) / 2;
+    return fmax(cubic_bound((const double[4]){b[0], c01, d0, middle}, halvings - 1),
+                cubic_bound((const double[4]){middle, d1, c23, b[3]}, halvings - 1));
+}
+
+/* The blossom of the cubic terms: their Bernstein coefficients on the side from p to q are its values at p's and q's.
+ */
+static double blossom(const double c[4], const double x[2], const double y[2], const double z[2])
+{
+    return c[0] * x[0] * y[0] * z[0] + c[1] * (x[0] * y[0] * z[1] + x[0] * y[1] * z[0] + x[1] * y[0] * z[0]) / 3 +
+           c[2] * (x[0] * y[1] * z[1] + x[1] * y[0] * z[1] + x[1] * y[1] * z[0]) / 3 + c[3] * x[1] * y[1] * z[1];
+}
+
+/* The cubic terms are most of what our callers have left. They grow along every line from (0, 0), so they are largest
+ * on the border; the sum of their magnitudes may be twice that. */
 double ep_taylor_bound(const ep_taylor *a, const ep_monomials *m)
 {
-    double sum[EP_TAYLOR_DEGREE + 1], all = a->rest;
-    degrees(a, m, sum);
-    for (unsigned d = 0; d <= EP_TAYLOR_DEGREE; ++d) all += sum[d];
-    return all;
+    double all = a->rest, cubic = 0;
+    for (unsigned n = 0; n < EP_TAYLOR_TERMS; ++n)
+        if (n < ep_taylor_index(3, 0) || n > ep_taylor_index(0, 3)) all += fabs(a->c[n]) * m->max[n];
+    const double *c = &a->c[ep_taylor_index(3, 0)];
+    for (unsigned k = 0; k < m->corners; ++k) {
+        const double *p = m->corner[k], *q = m->corner[(k + 1) % m->corners];
+        const double b[4] = {blossom(c, p, p, p), blossom(c, p, p, q), blossom(c, p, q, q), blossom(c, q, q, q)};
+        cubic = fmax(cubic, cubic_bound(b, 2));
+    }
+    return (all + cubic) * (1 + 0x1p-40); /* and the rounding of all this */
 }
