@@ -118,7 +118,16 @@ static void look_closer(search *s, float from, float to, unsigned round)
     static const unsigned only = 0;
     ep_cells cells;
     q->geometry->kernels->cells[q->leaf->shape](q->leaf, q->net, s->ray, 1, &only, 1, &from, &to, &cells);
-    take_cells(s, &cells, 0, from, to, round);
+    const uint32_t undecided = (cells.open | cells.more) & ((1u << EP_CELLS) - 1);
+    if (__builtin_popcount(undecided) <= EP_CELLS / 2) {
+        take_cells(s, &cells, 0, from, to, round);
+        return;
+    }
+    /* as good as in the surface: parts of a part would fare no better */
+    const unsigned last = EP_CELLS - 1;
+    const double rounding = 0x1p-22 * fmax(fabsf(cells.middle[0]), fabsf(cells.middle[last]));
+    subdivide(s, (double)cells.middle[0] - (double)cells.reach[0] - rounding,
+              (double)cells.middle[last] + (double)cells.reach[last] + rounding);
 }
 
 /* Takes what was found in cells[first] to cells[first + EP_CELLS - 1], which divide the part `from` to `to` of the
