@@ -157,9 +157,9 @@ EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d
  * P = graph + noise. How the leaf is parametrised does not matter. With D = c1² - 2 c2 c0 and w = 2 |c2| P the ray
  * misses if D < -w. If not, tau is within delta of one of the two roots for D, delta = 2 P / (sqrt(D) + sqrt(D - w)):
  * less than 4/3 P / sqrt(D) if w < 3/4 D, and else the ray is too nearly tangent for this to help. Usually one of the
- * roots is nowhere near the leaf, and the other says where to evaluate first: at x = u - m(u - m(u)), m(u) = H_st u²/2,
- * which is right to `foot` for a foot u of D, and off by at most 1 + k (1 + k/2)(1 + k) times what u is, k = |H_st|
- * |u|. Rays with two, and those that are too nearly tangent, are slow. */
+ * roots is nowhere near the leaf, and the other says where to evaluate first: at x = u - m + H_st u m, m = H_st u²/2,
+ * which is right to `foot` for a foot u of D, and off by at most 1 + k + 3/2 k² times what u is, k = |H_st| |u|. Rays
+ * with two, and those that are too nearly tangent, are slow. */
 EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o)
 {
     const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f);

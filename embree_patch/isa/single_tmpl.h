@@ -95,7 +95,7 @@ EP_INLINE float f4_spread(const f4_linear *l, float st, float h)
 EP_INLINE void f4_jet(const float *net, f4 x, f4 o, int triangle, unsigned m, unsigned n, int rational, f4 *at, f4 *ds,
                       f4 *dt)
 {
-    /* -0: what x + -0 leaves of x is x, to the sign of zero */
+    /* x + -0 is x, to the sign of a zero */
     const f4 one_s = {1, -0.0f, -0.0f, -0.0f}, one_t = {-0.0f, 1, -0.0f, -0.0f};
     f4_series(net, rational ? 4 : 3, triangle, m, n, f4_lane(x, 0), f4_lane(x, 1), at, ds, dt);
     if (rational) {

@@ -92,34 +92,31 @@ uint32_t ep_visit(const ep_query *q, int *valid)
     return accepted;
 }
 
-static ep_query intersect_query(const struct RTCIntersectFunctionNArguments *args)
+static ep_query query_of(EPGeometry g, unsigned prim, ep_rtc_context *context, void *ray, unsigned n, unsigned geom_id)
 {
-    const EPGeometry g = args->geometryUserPtr;
-    const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
-    return (ep_query){.intersect = args,
-                      .geometry = g,
+    const ep_leaf *leaf = &g->hierarchy.leaves[prim];
+    return (ep_query){.geometry = g,
                       .hierarchy = &g->hierarchy,
                       .leaf = leaf,
                       .net = g->hierarchy.nets + leaf->net,
-                      .context = args->context,
-                      .ray = (float *)args->rayhit,
-                      .n = args->N,
-                      .geom_id = args->geomID};
+                      .context = context,
+                      .ray = ray,
+                      .n = n,
+                      .geom_id = geom_id};
 }
 
-static ep_query occluded_query(const struct RTCOccludedFunctionNArguments *args)
+static ep_query intersect_query(const struct RTCIntersectFunctionNArguments *a)
 {
-    const EPGeometry g = args->geometryUserPtr;
-    const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
-    return (ep_query){.occluded = args,
-                      .geometry = g,
-                      .hierarchy = &g->hierarchy,
-                      .leaf = leaf,
-                      .net = g->hierarchy.nets + leaf->net,
-                      .context = args->context,
-                      .ray = (float *)args->ray,
-                      .n = args->N,
-                      .geom_id = args->geomID};
+    ep_query q = query_of(a->geometryUserPtr, a->primID, a->context, a->rayhit, a->N, a->geomID);
+    q.intersect = a;
+    return q;
+}
+
+static ep_query occluded_query(const struct RTCOccludedFunctionNArguments *a)
+{
+    ep_query q = query_of(a->geometryUserPtr, a->primID, a->context, a->ray, a->N, a->geomID);
+    q.occluded = a;
+    return q;
 }
 
 /* Single rays mostly end with a kernel that has found nothing: they have no query until it has. */
