@@ -7,11 +7,12 @@ bool ep_arcs_find(const ep_trim *t, const ep_trim_part *part, const ep_trim_doma
 {
     a->pieces = a->count = 0;
     if (part->pieces > EP_ARC_PIECES) return false;
+    const ep_trim_edges edges = ep_domain_edges(d);
     const size_t n = ep_trim_part_pieces(part->words, a->piece);
     for (size_t i = 0; i < n; ++i) {
         const ep_piece *p = &t->pieces[a->piece[i]];
         a->first[i] = a->count;
-        if (!ep_domain_arcs(d, p, t->points + p->first, a->point, EP_ARC_POINTS, &a->count)) return false;
+        if (!ep_edges_arcs(&edges, p, t->points + p->first, a->point, EP_ARC_POINTS, &a->count)) return false;
     }
     a->pieces = (unsigned)n;
     a->first[n] = a->count;

@@ -8,7 +8,7 @@
 
 enum { EP_ARC_PIECES = 256, EP_ARC_POINTS = 2048 };
 
-/* The hulls of a part's pieces within a domain (ep_domain_arcs()); piece i has points first[i] to first[i+1]. */
+/* The hulls of a part's pieces within a domain (ep_edges_arcs()); piece i has points first[i] to first[i+1]. */
 typedef struct ep_arcs {
     unsigned pieces, count;
     uint32_t piece[EP_ARC_PIECES];

@@ -92,44 +92,28 @@ bool ep_domain_clip(const ep_trim_domain *d, int axis, double c, bool above, ep_
     return inside && q.count >= 3;
 }
 
-/* The domain as half-planes: functions that are negative inside and reach 0 at the margin; edges of no length have
- * none. */
-typedef struct edge {
-    double x, y, nx, ny, offset;
-} edge;
-typedef struct edges {
-    const ep_trim_domain *domain;
-    edge edge[EP_DOMAIN_CORNERS];
-    unsigned count;
-    double size; /* the larger side of its box */
-} edges;
-
-static void find_edges(const ep_trim_domain *d, edges *e)
+ep_trim_edges ep_domain_edges(const ep_trim_domain *d)
 {
-    e->domain = d;
-    e->count = 0;
+    ep_trim_edges e = {.domain = d};
     for (unsigned i = 0; i < d->count; ++i) {
         const double *a = d->corner[i], *b = d->corner[(i + 1) % d->count];
         const double nx = b[1] - a[1], ny = a[0] - b[0];
         if (nx == 0 && ny == 0) continue;
-        e->edge[e->count++] = (edge){a[0], a[1], nx, ny, d->margin * (fabs(nx) + fabs(ny))};
+        e.edge[e.count++] = (ep_trim_edge){a[0], a[1], nx, ny, d->margin * (fabs(nx) + fabs(ny))};
     }
-    ep_point2 lo, hi;
-    ep_domain_bounds(d, lo, hi);
-    e->size = fmax(hi[0] - lo[0], hi[1] - lo[1]) + 2 * fabs(d->margin);
+    ep_domain_bounds(d, e.lo, e.hi);
+    e.size = fmax(e.hi[0] - e.lo[0], e.hi[1] - e.lo[1]) + 2 * fabs(d->margin);
+    for (int c = 0; c < 2; ++c) e.lo[c] -= d->margin, e.hi[c] += d->margin;
+    return e;
 }
 
 /* Compared with the middle of what the margin leaves of the domain on that level. */
-ep_beyond ep_domain_beyond(const ep_trim_domain *d, const ep_point2 end)
+ep_beyond ep_edges_beyond(const ep_trim_edges *e, const ep_point2 end)
 {
-    ep_point2 lo, hi;
-    ep_domain_bounds(d, lo, hi);
-    if (end[1] < lo[1] - d->margin || end[1] > hi[1] + d->margin) return EP_BEYOND_LEFT_OF;
-    edges e;
-    find_edges(d, &e);
-    double left = lo[0] - d->margin, right = hi[0] + d->margin;
-    for (unsigned k = 0; k < e.count; ++k) {
-        const edge *s = &e.edge[k];
+    if (end[1] < e->lo[1] || end[1] > e->hi[1]) return EP_BEYOND_LEFT_OF;
+    double left = e->lo[0], right = e->hi[0];
+    for (unsigned k = 0; k < e->count; ++k) {
+        const ep_trim_edge *s = &e->edge[k];
         const double x = s->x + (s->offset - s->ny * (end[1] - s->y)) / s->nx;
         if (s->nx > 0) right = fmin(right, x);
         if (s->nx < 0) left = fmax(left, x);
@@ -137,12 +121,12 @@ ep_beyond ep_domain_beyond(const ep_trim_domain *d, const ep_point2 end)
     return end[0] > 0.5 * (left + right) ? EP_BEYOND_ALWAYS : EP_BEYOND_NEVER;
 }
 
-static double outside(const edge *e, const ep_point2h p)
+static double outside(const ep_trim_edge *e, const ep_point2h p)
 {
     return e->nx * (p[0] - e->x * p[2]) + e->ny * (p[1] - e->y * p[2]) - e->offset * p[2];
 }
 
-static bool is_within(const edges *e, const ep_point2h p)
+static bool is_within(const ep_trim_edges *e, const ep_point2h p)
 {
     for (unsigned k = 0; k < e->count; ++k)
         if (outside(&e->edge[k], p) > 0) return false;
@@ -150,7 +134,7 @@ static bool is_within(const edges *e, const ep_point2h p)
 }
 
 /* Is the hull beyond one of the domain's edges, or the domain beyond the strip along the hull's chord? */
-static bool is_apart(const edges *e, const ep_point2h *p, unsigned n)
+static bool is_apart(const ep_trim_edges *e, const ep_point2h *p, unsigned n)
 {
     for (unsigned k = 0; k < e->count; ++k) {
         unsigned out = 0;
@@ -181,7 +165,7 @@ static double extent(const ep_point2h *p, unsigned n)
 
 /* Halves until an end is within the domain or the parts are apart from it. Parts much smaller than the domain that are
  * still neither pass a corner at next to no distance, and count as in. */
-static bool enters(const edges *e, const ep_point2h *p, unsigned n)
+static bool enters(const ep_trim_edges *e, const ep_point2h *p, unsigned n)
 {
     if (is_within(e, p[0]) || is_within(e, p[n])) return true;
     if (is_apart(e, p, n)) return false;
@@ -192,7 +176,7 @@ static bool enters(const edges *e, const ep_point2h *p, unsigned n)
 }
 
 /* The part [t[0],t[1]] of a straight piece that the edges leave; what rounds is less than the margin. */
-static bool clip_segment(const edges *e, const ep_point2h *p, double t[2])
+static bool clip_segment(const ep_trim_edges *e, const ep_point2h *p, double t[2])
 {
     t[0] = 0, t[1] = 1;
     for (unsigned k = 0; k < e->count; ++k) {
@@ -204,25 +188,21 @@ static bool clip_segment(const edges *e, const ep_point2h *p, double t[2])
     return t[0] <= t[1];
 }
 
-static bool boxes_meet(const ep_trim_domain *d, const ep_piece *p)
+static bool boxes_meet(const ep_trim_edges *e, const ep_piece *p)
 {
-    ep_point2 lo, hi;
-    ep_domain_bounds(d, lo, hi);
-    return fmin(p->low[0], p->high[0]) <= hi[0] + d->margin && fmax(p->low[0], p->high[0]) >= lo[0] - d->margin &&
-           p->low[1] <= hi[1] + d->margin && p->high[1] >= lo[1] - d->margin;
+    return fmin(p->low[0], p->high[0]) <= e->hi[0] && fmax(p->low[0], p->high[0]) >= e->lo[0] &&
+           p->low[1] <= e->hi[1] && p->high[1] >= e->lo[1];
 }
 
-bool ep_domain_meets(const ep_trim_domain *d, const ep_piece *p, const ep_point2h *points)
+bool ep_edges_meet(const ep_trim_edges *e, const ep_piece *p, const ep_point2h *points)
 {
-    if (!boxes_meet(d, p)) return false;
-    edges e;
+    if (!boxes_meet(e, p)) return false;
     double t[2];
-    find_edges(d, &e);
-    return p->degree == 1 ? clip_segment(&e, points, t) : enters(&e, points, p->degree);
+    return p->degree == 1 ? clip_segment(e, points, t) : enters(e, points, p->degree);
 }
 
 typedef struct arcs {
-    edges edges;
+    const ep_trim_edges *edges;
     ep_point2 *out;
     unsigned room, count;
 } arcs;
@@ -230,8 +210,8 @@ typedef struct arcs {
 /* Parts of a sixteenth of the domain: their hulls are wider than the curve by 1/256 of what it bends there. */
 static bool gather(arcs *a, const ep_point2h *p, unsigned n)
 {
-    if (is_apart(&a->edges, p, n)) return true;
-    if (extent(p, n) > 0x1p-4 * a->edges.size) {
+    if (is_apart(a->edges, p, n)) return true;
+    if (extent(p, n) > 0x1p-4 * a->edges->size) {
         ep_point2h left[EP_CURVE_POINTS], right[EP_CURVE_POINTS];
         ep_curve_halve(p, n, left, right);
         return gather(a, left, n) && gather(a, right, n);
@@ -242,16 +222,15 @@ static bool gather(arcs *a, const ep_point2h *p, unsigned n)
     return true;
 }
 
-bool ep_domain_arcs(const ep_trim_domain *d, const ep_piece *p, const ep_point2h *points, ep_point2 *out, unsigned room,
-                    unsigned *count)
+bool ep_edges_arcs(const ep_trim_edges *e, const ep_piece *p, const ep_point2h *points, ep_point2 *out, unsigned room,
+                   unsigned *count)
 {
-    if (!boxes_meet(d, p)) return true;
-    arcs a = {.out = out, .room = room, .count = *count};
-    find_edges(d, &a.edges);
+    if (!boxes_meet(e, p)) return true;
+    arcs a = {.edges = e, .out = out, .room = room, .count = *count};
     bool fits;
     if (p->degree == 1) {
         double t[2];
-        if (!clip_segment(&a.edges, points, t)) return true;
+        if (!clip_segment(e, points, t)) return true;
         fits = room - a.count >= 2;
         for (int i = 0; i < 2 && fits; ++i) ep_curve_eval(points, 1, t[i], out[a.count++]);
     } else {

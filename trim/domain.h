@@ -31,6 +31,21 @@ ep_trim_domain ep_domain_settle(const ep_trim_domain *d, double scale);
 void ep_domain_bounds(const ep_trim_domain *d, ep_point2 lo, ep_point2 hi);
 void ep_domain_centre(const ep_trim_domain *d, ep_point2 out);
 
+/* The domain as half-planes, made once for any number of questions: functions that are negative inside and reach 0 at
+ * the margin. Edges of no length have none. */
+typedef struct ep_trim_edge {
+    double x, y, nx, ny, offset;
+} ep_trim_edge;
+typedef struct ep_trim_edges {
+    const ep_trim_domain *domain;
+    ep_trim_edge edge[EP_DOMAIN_CORNERS];
+    unsigned count;
+    ep_point2 lo, hi; /* the box of the domain with its margin */
+    double size;      /* the larger side of the domain's box, with a margin or seam on either end */
+} ep_trim_edges;
+/* They refer to the domain. */
+ep_trim_edges ep_domain_edges(const ep_trim_domain *d);
+
 /* The part of the domain where coordinate `axis` is at most (at least) c. False when that has no area. */
 bool ep_domain_clip(const ep_trim_domain *d, int axis, double c, bool above, ep_trim_domain *out);
 
@@ -42,14 +57,14 @@ typedef enum ep_beyond {
                          on straight up or down; only points in a seam or margin are there          */
 } ep_beyond;
 /* For an end in the domain one of the first two, and always the same. */
-ep_beyond ep_domain_beyond(const ep_trim_domain *d, const ep_point2 end);
+ep_beyond ep_edges_beyond(const ep_trim_edges *e, const ep_point2 end);
 
 /* Can the piece enter the domain or its margin? Never false when it does. */
-bool ep_domain_meets(const ep_trim_domain *d, const ep_piece *p, const ep_point2h *points);
+bool ep_edges_meet(const ep_trim_edges *e, const ep_piece *p, const ep_point2h *points);
 
 /* Points whose convex hull holds all of the piece that is in the domain or its margin. They are appended to the `count`
  * points in `out`; false when there is no room for them in `room`. */
-bool ep_domain_arcs(const ep_trim_domain *d, const ep_piece *p, const ep_point2h *points, ep_point2 *out, unsigned room,
-                    unsigned *count);
+bool ep_edges_arcs(const ep_trim_edges *e, const ep_piece *p, const ep_point2h *points, ep_point2 *out, unsigned room,
+                   unsigned *count);
 
 #endif

@@ -21,7 +21,7 @@
 
 typedef struct cutter {
     const ep_trim *trim;
-    const ep_trim_domain *domain;
+    ep_trim_edges edges;
     ep_point2 at; /* a point in the domain */
     uint32_t *out;
     size_t count, pieces;
@@ -35,9 +35,9 @@ static ep_trim_state cut_list(cutter *c, const uint32_t *node)
     for (size_t i = 1; i < size; ++i) {
         const uint32_t index = ep_entry_piece(node[i]);
         const ep_piece *p = &t->pieces[index];
-        if (!ep_domain_meets(c->domain, p, t->points + p->first)) continue;
+        if (!ep_edges_meet(&c->edges, p, t->points + p->first)) continue;
         const uint32_t entry =
-            ep_entry_word(index, ep_domain_beyond(c->domain, p->low), ep_domain_beyond(c->domain, p->high));
+            ep_entry_word(index, ep_edges_beyond(&c->edges, p->low), ep_edges_beyond(&c->edges, p->high));
         inside ^= ep_entry_crosses(t, entry, c->at[0], c->at[1]);
         c->out[c->count++] = entry;
     }
@@ -86,7 +86,7 @@ EPStatus ep_trim_cut(const ep_trim *trim, const ep_trim_part *parent, const ep_t
     *part = (ep_trim_part){.state = parent->state};
     if (parent->state != EP_TRIM_CROSSED) return EP_OK;
     const ep_trim_domain d = ep_domain_settle(domain, trim->scale);
-    cutter c = {.trim = trim, .domain = &d};
+    cutter c = {.trim = trim, .edges = ep_domain_edges(&d)};
     c.out = ep_alloc(ep_node_size(*parent->words), sizeof *c.out);
     if (!c.out) return ep_fail(m, EP_NO_MEMORY, "no memory to cut a trim region");
     ep_domain_centre(&d, c.at);
