@@ -11,6 +11,7 @@
  * domain is no rectangle, it is halved along u or v, whichever duplicates fewer pieces. Either way the stored lists
  * stay within a multiple of the pieces: memory is linear in their number. */
 #include "trim/arcs.h"
+#include "trim/band.h"
 #include "trim/node.h"
 
 #include <string.h>
@@ -18,13 +19,14 @@
 /* Lists that are not worth a split: testing a piece costs about as much as passing a split. */
 enum { FEW_PIECES = 3 };
 /* Entries of the stored lists for each piece of the part. */
-static const double most_copies = 12;
+static const double most_copies = 16;
 
 typedef struct keeper {
     const ep_trim *trim;
     ep_trim_store *store;
     ep_message *message;
     unsigned most_depth;
+    bool own; /* the region's own cells are being made */
 } keeper;
 
 static EPStatus put(keeper *k, size_t count, const uint32_t *words)
@@ -69,11 +71,12 @@ static void find_strip(keeper *k, const ep_trim_part *part, const ep_trim_domain
      * test. */
     ep_point2 centre;
     ep_domain_centre(d, centre);
+    const double inwards = d->margin < 0 ? 0x1p-4 : 0;
     uint32_t head = EP_NODE_STRIP;
     bool above = false, below = false;
     for (unsigned i = 0; i < d->count; ++i) {
-        const double u = d->corner[i][0] + 0x1p-4 * (centre[0] - d->corner[i][0]);
-        const double v = d->corner[i][1] + 0x1p-4 * (centre[1] - d->corner[i][1]), h = n[0] * u + n[1] * v;
+        const double u = d->corner[i][0] + inwards * (centre[0] - d->corner[i][0]);
+        const double v = d->corner[i][1] + inwards * (centre[1] - d->corner[i][1]), h = n[0] * u + n[1] * v;
         if (h <= f[3] && h >= f[2]) continue;
         const bool inside = ep_trim_inside_one(k->trim, part->words, 0, u, v);
         if (inside) head |= h > f[3] ? EP_NODE_BIT4 : EP_NODE_BIT3;
@@ -156,7 +159,7 @@ static EPStatus choose(keeper *k, const ep_trim_part *part, const ep_trim_domain
 
 /* Fewer pieces than that are no work for a grid; each gets so many of its cells, which costs as much memory as it has
  * itself. */
-enum { GRID_PIECES = 12, GRID_CELLS = 8, GRID_MOST_SIDE = 1 << 12 };
+enum { GRID_PIECES = 12, GRID_CELLS = 8, GRID_MOST_SIDE = (1 << 12) - 2 };
 
 static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, double most, unsigned depth);
 
@@ -166,6 +169,7 @@ typedef struct filler {
     ep_grid grid;
     double margin, room; /* room: entries that may still be stored */
     unsigned depth;
+    uint32_t *bands; /* of the cells, or NULL */
 } filler;
 
 static bool is_rectangle(const ep_trim_domain *d)
@@ -191,16 +195,21 @@ static EPStatus fill(filler *f, const ep_trim_part *part, const uint32_t from[2]
     const size_t cells = f->head + EP_GRID_HEAD;
     if (part->state != EP_TRIM_CROSSED) {
         for (uint32_t j = from[1]; j < to[1]; ++j)
-            for (uint32_t i = from[0]; i < to[0]; ++i)
-                k->store->words[cells + j * f->grid.count[0] + i] = part->state == EP_TRIM_INSIDE;
+            for (uint32_t i = from[0]; i < to[0]; ++i) {
+                const size_t at = (size_t)j * f->grid.count[0] + i;
+                k->store->words[cells + at] = part->state == EP_TRIM_INSIDE;
+                if (f->bands) ep_band_even(part->state == EP_TRIM_INSIDE, f->bands + 2 * at);
+            }
         return EP_OK;
     }
     if (nu == 1 && nv == 1) {
         f->room -= (double)part->pieces;
         if (f->room < 0) return EP_OK;
-        k->store->words[cells + from[1] * f->grid.count[0] + from[0]] = (uint32_t)(k->store->count - f->head);
+        const size_t at = (size_t)from[1] * f->grid.count[0] + from[0];
+        k->store->words[cells + at] = (uint32_t)(k->store->count - f->head);
         const ep_trim_domain d = ep_domain_rectangle(edge_of(f, 0, from[0]), edge_of(f, 0, to[0]),
                                                      edge_of(f, 1, from[1]), edge_of(f, 1, to[1]), f->margin);
+        if (f->bands) ep_band_fit(k->trim, part, &d, fmax(f->grid.count[0], f->grid.count[1]), f->bands + 2 * at);
         return keep(k, part, &d, 2 * (double)part->pieces, f->depth);
     }
     const int axis = nv > nu;
@@ -218,34 +227,79 @@ static EPStatus fill(filler *f, const ep_trim_part *part, const uint32_t from[2]
     return s;
 }
 
+/* About square cells. */
+static void choose_grid(const ep_trim_part *part, const ep_trim_domain *d, ep_grid *g)
+{
+    ep_point2 hi;
+    ep_domain_bounds(d, g->lo, hi);
+    const double cells = GRID_CELLS * (double)part->pieces;
+    for (int c = 0; c < 2; ++c) {
+        const double size = hi[c] - g->lo[c], other = hi[!c] - g->lo[!c];
+        const double n = fmin(fmax(ceil(sqrt(cells * size / other)), 1), fmin(cells, GRID_MOST_SIDE));
+        g->count[c] = (uint32_t)n;
+        g->per_unit[c] = n / size;
+    }
+}
+
+/* Can float tell where in the grid's cells a point is? */
+static bool is_told_apart(const ep_trim_part *part, const ep_trim_domain *d)
+{
+    ep_grid g;
+    const ep_point2 *corner = d->corner;
+    if (!(corner[2][0] > corner[0][0] && corner[2][1] > corner[0][1])) return false;
+    choose_grid(part, d, &g);
+    return 0x1p-22 * ep_domain_scale(d) * fmax(g.per_unit[0], g.per_unit[1]) < 0.1 * EP_BAND_MARGIN;
+}
+
+/* One more cell all around, so that there is nothing beyond the last. */
+static void widen(ep_grid *g)
+{
+    for (int c = 0; c < 2; ++c) {
+        g->lo[c] = (double)ep_round_down(g->lo[c] - 1 / g->per_unit[c]); /* a float, for the bands */
+        g->count[c] += 2;
+    }
+}
+
+static EPStatus start_bands(keeper *k, const ep_grid *g, ep_bands *b)
+{
+    b->words = ep_alloc(2 * ep_grid_cells(g), sizeof *b->words);
+    if (!b->words) return ep_fail(k->message, EP_NO_MEMORY, "no memory to store a trim region");
+    for (int c = 0; c < 2; ++c) {
+        b->lo[c] = (float)g->lo[c], b->per_unit[c] = (float)g->per_unit[c];
+        b->last[c] = nextafterf((float)g->count[c], 0);
+    }
+    b->columns = (float)g->count[0];
+    b->reach = 0.9 * EP_BAND_MARGIN / fmax(g->per_unit[0], g->per_unit[1]); /* less what rounds */
+    return EP_OK;
+}
+
 /* `kept` is false when long pieces would be in too many cells. Half of the entries may stand in cells, so that each
  * cell may have twice as many when it is divided further. */
 static EPStatus keep_grid(keeper *k, const ep_trim_part *part, const ep_trim_domain *d, double most, unsigned depth,
-                          bool *kept)
+                          ep_bands *bands, bool *kept)
 {
     filler f = {.keeper = k, .head = k->store->count, .margin = d->margin, .room = most / 2, .depth = depth};
-    ep_point2 hi;
-    ep_domain_bounds(d, f.grid.lo, hi);
-    const double size[2] = {hi[0] - f.grid.lo[0], hi[1] - f.grid.lo[1]};
-    uint32_t *n = f.grid.count;
-    n[0] = n[1] = 1;
-    while ((size_t)n[0] * n[1] * 2 <= GRID_CELLS * part->pieces) {
-        const int axis = size[1] / n[1] > size[0] / n[0];
-        if (n[axis] == GRID_MOST_SIDE) break;
-        n[axis] *= 2, ++f.depth;
-    }
+    choose_grid(part, d, &f.grid);
+    if (bands) widen(&f.grid);
+    const uint32_t *n = f.grid.count;
+    for (size_t i = ep_grid_cells(&f.grid); i > 1; i /= 2) ++f.depth;
     /* a piece is in about as many cells as it is long, and one more for either coordinate */
-    const double length = ep_trim_part_length(k->trim, part->words, hypot(size[0], size[1]));
-    *kept = (double)part->pieces + 2 * length / fmin(size[0] / n[0], size[1] / n[1]) <= 2 * f.room;
+    const double width = n[0] / f.grid.per_unit[0], height = n[1] / f.grid.per_unit[1];
+    const double length = ep_trim_part_length(k->trim, part->words, hypot(width, height));
+    *kept = (double)part->pieces + 2 * length * fmax(f.grid.per_unit[0], f.grid.per_unit[1]) <= 2 * f.room;
     if (!*kept) return EP_OK;
     uint32_t head[EP_GRID_HEAD] = {EP_NODE_GRID};
-    for (int c = 0; c < 2; ++c) f.grid.per_unit[c] = n[c] / size[c];
     memcpy(head + 1, f.grid.lo, sizeof f.grid.lo);
     memcpy(head + 5, f.grid.per_unit, sizeof f.grid.per_unit);
     head[9] = n[0] | n[1] << 16;
     EPStatus s = put(k, EP_GRID_HEAD, head);
     for (uint32_t j = 0; j < n[1] && !s; ++j)
         for (uint32_t i = 0; i < n[0] && !s; ++i) s = put(k, 1, (const uint32_t[]){0});
+    if (!s && bands) {
+        s = start_bands(k, &f.grid, bands);
+        f.bands = bands->words;
+        f.margin = EP_BAND_MARGIN / fmax(f.grid.per_unit[0], f.grid.per_unit[1]);
+    }
     if (!s) s = fill(&f, part, (const uint32_t[]){0, 0}, n);
     *kept = f.room >= 0;
     if (*kept && !s) set_size(k, f.head);
@@ -275,7 +329,7 @@ static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_trim_domain *
 {
     if (part->state != EP_TRIM_CROSSED) {
         const uint32_t bit = part->state == EP_TRIM_INSIDE ? EP_NODE_BIT3 : 0;
-        return put(k, 1, (const uint32_t[]){ep_node_word(EP_NODE_CONST, bit, 1)});
+        return put(k, 1, (const uint32_t[]){ep_node_word(EP_NODE_LIST, bit, 1)});
     }
     const size_t head = k->store->count;
     uint32_t strip[5];
@@ -284,23 +338,59 @@ static EPStatus keep(keeper *k, const ep_trim_part *part, const ep_trim_domain *
     EPStatus s = share < 1 ? put(k, 5, strip) : EP_OK;
     const bool many = share * (double)part->pieces > FEW_PIECES && depth < k->most_depth;
     bool kept = false;
-    if (!s && many && part->pieces >= GRID_PIECES && is_rectangle(d)) s = keep_grid(k, part, d, most, depth, &kept);
+    if (!s && many && part->pieces >= GRID_PIECES && !k->own && k->trim->bands.words) {
+        s = put(k, 1, (const uint32_t[]){ep_node_word(EP_NODE_REGION, 0, 1)});
+        kept = true;
+    }
+    if (!s && many && !kept && part->pieces >= GRID_PIECES && is_rectangle(d))
+        s = keep_grid(k, part, d, most, depth, NULL, &kept);
     if (!s && many && !kept) s = keep_halves(k, part, d, most, depth, &kept);
     if (!s && !kept) s = put(k, ep_node_size(*part->words), part->words);
     if (!s && share < 1) set_size(k, head);
     return s;
 }
 
+/* Twice what evenly spread pieces need, and some more for those that are not. */
+static unsigned most_depth(const ep_trim_part *part)
+{
+    unsigned depth = 8;
+    while (part->pieces >> (depth - 8) / 2) ++depth;
+    return depth;
+}
+
 EPStatus ep_trim_keep(const ep_trim *trim, const ep_trim_part *part, const ep_trim_domain *domain, ep_trim_store *store,
                       uint32_t *node, ep_message *m)
 {
-    keeper k = {.trim = trim, .store = store, .message = m};
-    /* twice what evenly spread pieces need, and some more for those that are not */
-    for (k.most_depth = 8; part->state == EP_TRIM_CROSSED && part->pieces >> (k.most_depth - 8) / 2; ++k.most_depth) {
-    }
+    keeper k = {.trim = trim, .store = store, .message = m, .most_depth = most_depth(part)};
     const size_t head = store->count;
     const EPStatus s = keep(&k, part, domain, most_copies * (double)part->pieces, 0);
     if (s) store->count = head;
     *node = (uint32_t)head;
+    return s;
+}
+
+/* For points anywhere: a box around the cells. */
+EPStatus ep_trim_keep_cells(ep_trim *t, ep_message *m)
+{
+    const ep_trim_part *part = &t->root;
+    keeper k = {.trim = t, .store = &t->cells, .message = m, .most_depth = most_depth(part), .own = true};
+    t->bands.reach = -1;
+    if (part->state != EP_TRIM_CROSSED) return keep(&k, part, &(ep_trim_domain){0}, 0, 0);
+    const float box[4] = {ep_round_down(t->lo[0]), ep_round_down(t->lo[1]), ep_round_up(t->hi[0]),
+                          ep_round_up(t->hi[1])};
+    const ep_trim_domain d = ep_domain_rectangle((double)box[0], (double)box[2], (double)box[1], (double)box[3], 0);
+    uint32_t words[EP_BOX_WORDS] = {EP_NODE_BOX};
+    for (int i = 0; i < 4; ++i) words[i + 1] = ep_node_from_float(box[i]);
+    const double most = most_copies * (double)part->pieces;
+    bool kept = false;
+    EPStatus s = put(&k, EP_BOX_WORDS, words);
+    if (!s && part->pieces >= GRID_PIECES && is_told_apart(part, &d))
+        s = keep_grid(&k, part, &d, most, 0, &t->bands, &kept);
+    if (!kept) {
+        ep_free(t->bands.words);
+        t->bands = (ep_bands){.reach = -1};
+        if (!s) s = keep(&k, part, &d, most, 0);
+    }
+    if (!s) set_size(&k, 0);
     return s;
 }

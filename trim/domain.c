@@ -22,11 +22,17 @@ ep_trim_domain ep_domain_rectangle(double u0, double u1, double v0, double v1, d
     return (ep_trim_domain){4, {{u0, v0}, {u1, v0}, {u1, v1}, {u0, v1}}, margin};
 }
 
+double ep_domain_scale(const ep_trim_domain *d)
+{
+    double scale = 0;
+    for (unsigned i = 0; i < d->count; ++i) scale = fmax(scale, fmax(fabs(d->corner[i][0]), fabs(d->corner[i][1])));
+    return scale;
+}
+
 /* Less than 2^8 roundings, up to degree 25. */
 double ep_domain_rounding(const ep_trim_domain *d, double scale)
 {
-    for (unsigned i = 0; i < d->count; ++i) scale = fmax(scale, fmax(fabs(d->corner[i][0]), fabs(d->corner[i][1])));
-    return fmax(0x1p-45 * scale, DBL_MIN);
+    return fmax(0x1p-45 * fmax(scale, ep_domain_scale(d)), DBL_MIN);
 }
 
 /* The least distance between two parallels that hold the polygon. */

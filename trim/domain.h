@@ -23,6 +23,8 @@ typedef struct ep_trim_domain {
 ep_trim_domain ep_domain_polygon(unsigned count, const ep_point2 *corners, double margin);
 ep_trim_domain ep_domain_rectangle(double u0, double u1, double v0, double v1, double margin);
 
+/* The largest coordinate of a corner. */
+double ep_domain_scale(const ep_trim_domain *d);
 /* More than evaluating curves and edges rounds, for curves and a domain with coordinates up to `scale`. */
 double ep_domain_rounding(const ep_trim_domain *d, double scale);
 /* With the margin that decides: rounding added, and a seam no wider than a sixteenth of the domain's height. */

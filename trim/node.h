@@ -35,7 +35,7 @@ static inline uint32_t ep_node_from_float(float f)
 }
 
 /* A grid's words before its cells. */
-enum { EP_GRID_HEAD = 10 };
+enum { EP_GRID_HEAD = 10, EP_BOX_WORDS = 5, EP_STRIP_WORDS = 5 };
 
 typedef struct ep_grid {
     double lo[2], per_unit[2];
@@ -48,6 +48,11 @@ static inline ep_grid ep_node_grid(const uint32_t *node)
     memcpy(g.lo, node + 1, sizeof g.lo);
     memcpy(g.per_unit, node + 5, sizeof g.per_unit);
     return g;
+}
+
+static inline size_t ep_grid_cells(const ep_grid *g)
+{
+    return (size_t)g->count[0] * g->count[1];
 }
 
 /* The row or column of a coordinate; the first and the last go on for ever. */
@@ -84,5 +89,9 @@ static inline bool ep_list_has(const ep_trim *t, const uint32_t *node, double x,
     for (size_t i = 1; i < size; ++i) inside ^= ep_entry_crosses(t, node[i], x, y);
     return inside;
 }
+
+/* Is all of the square of half side `reach` about the point on one side of all borders? */
+typedef enum ep_clearance { EP_CLEAR_OUTSIDE, EP_CLEAR_INSIDE, EP_CLEAR_OF_NOTHING } ep_clearance;
+ep_clearance ep_node_clears(const ep_trim *t, const uint32_t *node, double x, double y, double reach);
 
 #endif

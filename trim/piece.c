@@ -10,9 +10,12 @@
  * The best place to look for one is where the curve meets the line through the point across the piece's box, that is
  * at the root of f(t) = (x(t)-x)/width + (y(t)-y)/height, which is monotone too: regula falsi [Illinois, Dowell and
  * Jarratt 1971], with a bisection whenever three steps have not halved the interval. The side is known as soon as the
- * root is nearer than the point. The loop ends: an interval of doubles cannot be halved for ever. */
-static bool search(const ep_piece *p, const ep_point2h *points, double x, double y)
+ * root is nearer than the point. The loop ends: an interval of doubles cannot be halved for ever.
+ *
+ * With a reach, passing by more than that settles the side of a whole square; what passes by less may enter it. */
+static ep_side search(const ep_piece *p, const ep_point2h *points, double x, double y, double reach)
 {
+    static const ep_side side[2] = {EP_SIDE_LEFT, EP_SIDE_RIGHT};
     const double mirror = p->falls ? -1 : 1, width = fabs(p->high[0] - p->low[0]), height = p->high[1] - p->low[1];
     double ta = 0, tb = 1;
     double fa = mirror * (p->low[0] - x) / width + (p->low[1] - y) / height;
@@ -27,13 +30,13 @@ static bool search(const ep_piece *p, const ep_point2h *points, double x, double
         }
         if (!(t > ta && t < tb)) {
             t = ta + 0.5 * (tb - ta);
-            if (!(t > ta && t < tb)) return !p->falls; /* the point is on the curve */
+            if (!(t > ta && t < tb)) return reach > 0 ? EP_SIDE_NEAR : side[!p->falls]; /* the point is on the curve */
         }
         ep_point2 c;
         ep_curve_eval(points, p->degree, t, c);
         const double dx = mirror * (c[0] - x), dy = c[1] - y;
-        if (dx > 0 && dy <= 0) return !p->falls;
-        if (dx <= 0 && dy > 0) return p->falls;
+        if (dx > 0 && dy <= 0) return dx > reach && dy <= -reach ? side[!p->falls] : EP_SIDE_NEAR;
+        if (dx <= 0 && dy > 0) return dx <= -reach && dy > reach ? side[p->falls] : EP_SIDE_NEAR;
         const double f = dx / width + dy / height;
         if (dx <= 0) {
             ta = t, fa = f;
@@ -51,8 +54,18 @@ bool ep_piece_is_right(const ep_piece *p, const ep_point2h *points, double x, do
 {
     if (x < p->low[0] && x < p->high[0]) return true;
     if (x >= p->low[0] && x >= p->high[0]) return false;
-    if (p->degree > 1) return search(p, points, x, y);
+    if (p->degree > 1) return search(p, points, x, y, 0) == EP_SIDE_RIGHT;
     return (p->high[0] - p->low[0]) * (y - p->low[1]) > (x - p->low[0]) * (p->high[1] - p->low[1]);
+}
+
+ep_side ep_piece_side(const ep_piece *p, const ep_point2h *points, double x, double y, double reach)
+{
+    if (y - reach < p->low[1] || y + reach >= p->high[1]) return EP_SIDE_NEAR;
+    if (p->degree > 1) return search(p, points, x, y, reach);
+    const double across = p->falls ? -reach : reach;
+    const bool right = ep_piece_is_right(p, points, x - across, y + reach);
+    if (right != ep_piece_is_right(p, points, x + across, y - reach)) return EP_SIDE_NEAR;
+    return right ? EP_SIDE_RIGHT : EP_SIDE_LEFT;
 }
 
 /* Curves are always cut in the same direction, so that two regions that share a curve share its pieces, whichever way

@@ -22,6 +22,11 @@ typedef struct ep_piece {
  * evaluating it rounds (curve.h). */
 bool ep_piece_is_right(const ep_piece *p, const ep_point2h *points, double x, double y);
 
+/* The same for all points of the square of half side `reach` about (x, y), which is not beside the piece's box; NEAR
+ * when it may enter the square. */
+typedef enum ep_side { EP_SIDE_LEFT, EP_SIDE_RIGHT, EP_SIDE_NEAR } ep_side;
+ep_side ep_piece_side(const ep_piece *p, const ep_point2h *points, double x, double y, double reach);
+
 /* Cuts the curve into pieces. There is room for EP_PIECES pieces of degree+1 points each, from low to high;
  * first, curve are the caller's. Pieces without length are left out. Returns their number. */
 enum { EP_PIECES = EP_CURVE_CUTS + 1 };

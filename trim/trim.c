@@ -106,22 +106,6 @@ static EPStatus make_root(maker *k)
     return EP_OK;
 }
 
-/* Points anywhere: a box around the cells. */
-static EPStatus make_cells(ep_trim *t, ep_message *m)
-{
-    uint32_t unused;
-    if (t->root.state != EP_TRIM_CROSSED) return ep_trim_keep(t, &t->root, &(ep_trim_domain){0}, &t->cells, &unused, m);
-    const float box[4] = {ep_round_down(t->lo[0]), ep_round_down(t->lo[1]), ep_round_up(t->hi[0]),
-                          ep_round_up(t->hi[1])};
-    const ep_trim_domain d = ep_domain_rectangle(box[0], box[2], box[1], box[3], 0);
-    if (!ep_reserve((void **)&t->cells.words, &t->cells.room, 0, 5, sizeof(uint32_t))) return no_memory(m);
-    t->cells.count = 5;
-    EPStatus s = ep_trim_keep(t, &t->root, &d, &t->cells, &unused, m);
-    t->cells.words[0] = ep_node_word(EP_NODE_BOX, 0, t->cells.count);
-    for (int i = 0; i < 4; ++i) t->cells.words[i + 1] = ep_node_from_float(box[i]);
-    return s;
-}
-
 EPStatus ep_trim_new(const ep_region *region, ep_trim **trim, ep_message *m)
 {
     *trim = NULL;
@@ -139,7 +123,7 @@ EPStatus ep_trim_new(const ep_region *region, ep_trim **trim, ep_message *m)
         s = make_root(&k);
     }
     ep_free(k.first_piece);
-    if (!s) s = make_cells(t, m);
+    if (!s) s = ep_trim_keep_cells(t, m);
     if (s) ep_trim_free(t);
     else *trim = t;
     return s;
@@ -152,11 +136,14 @@ void ep_trim_free(ep_trim *t)
     ep_free(t->points);
     ep_free(t->root.words);
     ep_free(t->cells.words);
+    ep_free(t->bands.words);
     ep_free(t);
 }
 
 size_t ep_trim_bytes(const ep_trim *t)
 {
-    return sizeof *t + t->piece_count * sizeof *t->pieces + t->point_count * sizeof *t->points +
+    const ep_grid grid = t->bands.words ? ep_node_grid(t->cells.words + EP_BOX_WORDS) : (ep_grid){0};
+    return sizeof *t + 2 * ep_grid_cells(&grid) * sizeof *t->bands.words + t->piece_count * sizeof *t->pieces +
+           t->point_count * sizeof *t->points +
            (t->cells.room + (t->root.state == EP_TRIM_CROSSED ? ep_node_size(*t->root.words) : 0)) * sizeof(uint32_t);
 }

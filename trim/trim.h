@@ -34,9 +34,9 @@
  *   EP_NODE_SPLIT   float c; the node for coordinate < c, the node for the rest
  *   EP_NODE_STRIP   floats a, b, lo, hi: below is a u + b v < lo, above is > hi; the node between
  *   EP_NODE_BOX     floats u0, v0, u1, v1: beyond them all is outside; the node within
+ *   EP_NODE_REGION  nothing: the region's own cells decide
  *   EP_NODE_GRID    doubles u0, v0, cells a unit of u, of v; their numbers nu + nv * 65536; then for each cell, row by
- * row in u, 0: outside, 1: inside, or how many words behind the first its node is EP_NODE_CONST   nothing; bit 3:
- * inside */
+ * *                   row in u, 0: outside, 1: inside, or how many words behind the first its node is */
 typedef enum ep_node_kind {
     EP_NODE_LIST,
     EP_NODE_ANY,
@@ -44,7 +44,7 @@ typedef enum ep_node_kind {
     EP_NODE_SPLIT,
     EP_NODE_STRIP,
     EP_NODE_BOX,
-    EP_NODE_CONST,
+    EP_NODE_REGION,
     EP_NODE_GRID
 } ep_node_kind;
 enum { EP_NODE_KIND = 7, EP_NODE_BIT3 = 8, EP_NODE_BIT4 = 16, EP_NODE_SIZE_SHIFT = 5 };
@@ -65,6 +65,13 @@ typedef struct ep_trim_store {
     size_t count, room;
 } ep_trim_store;
 
+/* A word or two beside each cell of the region's grid decide nearly every point (band.h). */
+typedef struct ep_bands {
+    uint32_t *words;                            /* NULL: the region has no grid */
+    float lo[2], per_unit[2], last[2], columns; /* of the grid; `last`: before the end of the last cell */
+    double reach; /* what the bands tell holds so far around a point; negative without a grid */
+} ep_bands;
+
 typedef struct ep_trim {
     ep_piece *pieces;
     ep_point2h *points;
@@ -72,7 +79,8 @@ typedef struct ep_trim {
     double scale;        /* the largest coordinate of a point                  */
     ep_point2 lo, hi;    /* the box of all pieces                              */
     ep_trim_part root;   /* the whole plane                                    */
-    ep_trim_store cells; /* node 0 decides any point                           */
+    ep_trim_store cells; /* node 0 decides any point: a box, and a grid if it can be */
+    ep_bands bands;      /* of that grid's cells                               */
 } ep_trim;
 
 /* EP_INVALID: the region is not finished. EP_BAD_DATA: it has too many curves. The region may be freed. */
@@ -94,19 +102,24 @@ double ep_trim_part_length(const ep_trim *trim, const uint32_t *words, double mo
  * it are decided by two products; and cells, while there are more than a few pieces. `node` is where it begins. */
 EPStatus ep_trim_keep(const ep_trim *trim, const ep_trim_part *part, const ep_trim_domain *domain, ep_trim_store *store,
                       uint32_t *node, ep_message *m);
+/* The same for the region as a whole, which leaves with many pieces refer to: trim->cells, made once. */
+EPStatus ep_trim_keep_cells(ep_trim *trim, ep_message *m);
 
-/* Which of the first `count` <= 32 points are inside, of those in `mask`? The points lie in the domain that the node
- * was stored for, or no further from it than its margin or seam. A point is decided rightly when it is further from
- * every border than 2^-44 of the largest coordinate (with a seam, than a few of its widths), and the same way whatever
- * stands beside it. NaN is outside. */
+/* Which of the first `count` <= EP_TRIM_LANES points are inside, of those in `mask`? The points lie in the domain that
+ * the node was stored for, or no further from it than its margin or seam. A point is decided rightly when it is further
+ * from every border than 2^-44 of the largest coordinate (with a seam, than a few of its widths), and the same way
+ * whatever stands beside it. NaN is outside. */
+enum { EP_TRIM_LANES = 16 };
 uint32_t ep_trim_inside(const ep_trim *trim, const uint32_t *words, uint32_t node, unsigned count, const float *u,
                         const float *v, uint32_t mask);
 /* The same for one point, in double. */
 bool ep_trim_inside_one(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v);
 
-/* May a border pass through the square of half side `reach` about the point? Never false when one does. */
-bool ep_trim_is_near(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v, double reach);
-/* Is the point or a corner of that square inside? A border that bends outwards, or not at all within the square, has
+/* The same for the squares of half side `reach` about the points. Those in `open` may have a border in them; the others
+ * certainly do not. */
+uint32_t ep_trim_sift(const ep_trim *trim, const uint32_t *words, uint32_t node, unsigned count, const float *u,
+                      const float *v, uint32_t mask, double reach, uint32_t *open);
+/* Is the point or a corner of such a square inside? A border that bends outwards, or not at all within the square, has
  * one of them beyond it as soon as it is nearer than `reach`; so of two regions on either side of a border, whichever
  * bends this way, one at least is reached by any point that rounding has moved by less. */
 bool ep_trim_reaches(const ep_trim *trim, const uint32_t *words, uint32_t node, double u, double v, double reach);

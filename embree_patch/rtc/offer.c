@@ -70,32 +70,33 @@ ep_polished ep_polish_candidate(const ep_query *q, unsigned lane, ep_candidates 
 }
 
 /* A candidate that is outside, but no farther from a trim curve than float may have moved it, is found again in double:
- * rounding must not lose it to both of two faces that are trimmed along one curve. Kernels are sure of u and v to
- * within EP_FLAT (isa/newton_tmpl.h) of the leaf, of its certificate as much again, and both add up in a triangle. */
-static bool is_at_border(const ep_query *q, unsigned lane, const ep_candidates *c)
+ * rounding must not lose it to both of two faces that are trimmed along one curve. */
+static bool is_inside(const ep_query *q, unsigned lane, const ep_candidates *c)
 {
     const ep_hierarchy *h = q->hierarchy;
     const ep_trim *trim = h->trims[q->leaf->patch];
     const uint32_t node = q->leaf->trim - 1;
-    const float *d = q->leaf->domain;
-    const double extent = fmax(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
     const double u = c->hit[EP_HIT_U * q->n + lane], v = c->hit[EP_HIT_V * q->n + lane];
-    if (!ep_trim_is_near(trim, h->crossed, node, u, v, 0x1p-14 * extent + 0x1p-23)) return false;
+    if (ep_trim_inside_one(trim, h->crossed, node, u, v)) return true;
     float t, field[5];
     double exact[2];
     if (polish(q, lane, c, &t, field, exact) == EP_POLISHED_LOST) return true;
     return ep_trim_reaches(trim, h->crossed, node, exact[0], exact[1], EP_BORDER);
 }
 
-/* Those of the candidates in `mask` that a leaf which trim curves cross keeps. */
+/* Those of the candidates in `mask` that a leaf which trim curves cross keeps. Kernels are sure of u and v to within
+ * EP_FLAT (isa/newton_tmpl.h) of the leaf, of its certificate as much again, and both add up in a triangle. */
 static uint32_t inside(const ep_query *q, uint32_t mask, const ep_candidates *c)
 {
     const ep_hierarchy *h = q->hierarchy;
-    uint32_t in = ep_trim_inside(h->trims[q->leaf->patch], h->crossed, q->leaf->trim - 1, q->n,
-                                 c->hit + EP_HIT_U * q->n, c->hit + EP_HIT_V * q->n, mask);
-    for (uint32_t rest = mask & ~in; rest; rest &= rest - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(rest);
-        in |= (uint32_t)is_at_border(q, lane, c) << lane;
+    const float *d = q->leaf->domain;
+    const double extent = fmax(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
+    uint32_t open,
+        in = ep_trim_sift(h->trims[q->leaf->patch], h->crossed, q->leaf->trim - 1, q->n, c->hit + EP_HIT_U * q->n,
+                          c->hit + EP_HIT_V * q->n, mask, 0x1p-14 * extent + 0x1p-23, &open);
+    for (; open; open &= open - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(open);
+        in |= (uint32_t)is_inside(q, lane, c) << lane;
     }
     return in;
 }
