@@ -25,6 +25,9 @@ static const double smallest = 0x1p-14;
  * wins less than it costs: rays meet several times as many leaves, and most of them still test. */
 enum { CROWD = 16 };
 static const double crowded = 0.2;
+/* Even then down to such parts of the patch: beside the curves such leaves are nothing, and flatter ones leave fewer
+ * rays undecided. */
+static const double coarse = 0x1p-6;
 
 /* For EP_TRIM_SPLIT_COST [section 3.2]: what a split adds to a ray, in the nanoseconds of ep_trim_usual_costs. It makes
  * about six parts, which is 2.6 halvings, of 1.4 ns in packets and 3.7 ns for single rays. */
@@ -56,7 +59,7 @@ ep_trim_domain ep_trimmed_domain(ep_kind_id kind, const ep_domain *d)
 
 static bool is_crowded(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, double share)
 {
-    if (part->pieces < CROWD) return false;
+    if (part->pieces < CROWD || share > coarse) return false;
     const double across = hypot(fabs(d->uu) + fabs(d->uv), fabs(d->vv) + fabs(d->vu));
     return ep_trim_part_length(trim, part->words, across) * sqrt(smallest) > crowded * share;
 }

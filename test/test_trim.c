@@ -73,6 +73,20 @@ static void point_in(const ep_trim_domain *d, rng *r, double *x, double *y)
     *x /= sum, *y /= sum;
 }
 
+/* No border within reach: all points of the domain there are on the same side. */
+static void check_square(walk *w, const ep_trim_domain *d, double u, double v, double reach, uint32_t want)
+{
+    for (int i = 0; i < 4 && reach > 0; ++i) {
+        double x, y;
+        point_in(d, &w->r, &x, &y);
+        /* as near as it has to be, on the way there */
+        const double far = fmax(fabs(x - u), fabs(y - v)), f = far > reach ? 0.99 * reach / far : 0.99;
+        x = u + f * (x - u), y = v + f * (y - v);
+        if (ep_trim_has_point(w->trim, x, y) != want)
+            FAIL("case %u: (%.17g, %.17g) is not as (%.17g, %.17g), %g around it", w->number, x, y, u, v, reach);
+    }
+}
+
 static void check_domain(walk *w, const ep_trim_domain *d, const ep_trim_part *part)
 {
     float u[16], v[16];
@@ -96,6 +110,13 @@ static void check_domain(walk *w, const ep_trim_domain *d, const ep_trim_part *p
             if (((want & mask) ^ got) >> i & 1)
                 FAIL("case %u: (%.9g, %.9g) is %u in the plane and %u in a leaf", w->number, u[i], v[i], want >> i & 1,
                      got >> i & 1);
+        uint32_t open;
+        const double reach = ldexp(1, -4 - (int)rng_below(&w->r, 24));
+        const uint32_t in = ep_trim_sift(w->trim, w->store.words, node, 16, u, v, mask, reach, &open);
+        CHECK(!(in & open) && !((in | open) & ~mask) && in == (want & mask & ~open), "case %u: %x of %x, %x open",
+              w->number, in, want & mask, open);
+        for (unsigned i = 0; i < 16; ++i)
+            check_square(w, d, u[i], v[i], mask & ~open & 1u << i ? reach : 0, want >> i & 1);
     } else if (want != (part->state == EP_TRIM_INSIDE ? 0xffff : 0)) {
         FAIL("case %u: state %d, points %x, near (%.9g, %.9g)", w->number, part->state, want, u[0], v[0]);
     }

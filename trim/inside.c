@@ -3,10 +3,10 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "trim/node.h"
 
-static uint32_t cell_of(const uint32_t *node, double x, double y)
+static const uint32_t *cell_of(const uint32_t *node, double x, double y)
 {
     const ep_grid g = ep_node_grid(node);
-    return node[EP_GRID_HEAD + ep_grid_at(&g, 1, y) * g.count[0] + ep_grid_at(&g, 0, x)];
+    return node + EP_GRID_HEAD + ep_grid_at(&g, 1, y) * g.count[0] + ep_grid_at(&g, 0, x);
 }
 
 static bool test_one(const ep_trim *t, const uint32_t *node, double x, double y)
@@ -41,7 +41,7 @@ static bool test_one(const ep_trim *t, const uint32_t *node, double x, double y)
             node += EP_BOX_WORDS;
             break;
         case EP_NODE_GRID:
-            cell = cell_of(node, x, y);
+            cell = *cell_of(node, x, y);
             if (cell <= 1) return cell;
             node += cell;
             break;
@@ -79,6 +79,7 @@ ep_clearance ep_node_clears(const ep_trim *t, const uint32_t *node, double x, do
     for (;;) {
         const uint32_t *end = node + ep_node_size(*node);
         double a, b, h;
+        const uint32_t *at;
         uint32_t cell;
         ep_clearance all, settles;
         switch (ep_node_kind_of(*node)) {
@@ -115,8 +116,9 @@ ep_clearance ep_node_clears(const ep_trim *t, const uint32_t *node, double x, do
             node += EP_BOX_WORDS;
             break;
         case EP_NODE_GRID:
-            cell = cell_of(node, x - reach, y - reach);
-            if (cell != cell_of(node, x + reach, y + reach)) return EP_CLEAR_OF_NOTHING;
+            at = cell_of(node, x - reach, y - reach);
+            if (at != cell_of(node, x + reach, y + reach)) return EP_CLEAR_OF_NOTHING;
+            cell = *at;
             if (cell <= 1) return cell ? EP_CLEAR_INSIDE : EP_CLEAR_OUTSIDE;
             node += cell;
             break;
