@@ -21,7 +21,7 @@ static void put(band s, uint32_t words[2])
 
 void ep_band_even(bool inside, uint32_t words[2])
 {
-    put(inside ? (band){.lo = INT16_MIN, .hi = -1} : (band){.lo = 1, .hi = INT16_MAX}, words);
+    put(inside ? (band){.lo = -INT16_MAX, .hi = -1} : (band){.lo = 1, .hi = INT16_MAX}, words);
 }
 
 static double value(const band *s, double x, double y)
@@ -86,13 +86,13 @@ static void range_on(const ep_trim *t, const ep_arcs *arcs, const band *s, doubl
 /* In units; one that is out of range is out of reach. */
 static int line(double q)
 {
-    return (int)fmin(fmax(q, INT16_MIN), INT16_MAX);
+    return (int)fmin(fmax(q, -INT16_MAX), INT16_MAX);
 }
 
 void ep_band_fit(const ep_trim *t, const ep_trim_part *part, const ep_trim_domain *cell, uint32_t side,
                  uint32_t words[2])
 {
-    put((band){.lo = INT16_MIN, .hi = INT16_MAX}, words);
+    put((band){.lo = -INT16_MAX, .hi = INT16_MAX}, words);
     ep_arcs arcs;
     ep_point2 low, high, centre;
     const ep_trim_domain settled = ep_domain_settle(cell, t->scale);
@@ -108,20 +108,23 @@ void ep_band_fit(const ep_trim *t, const ep_trim_part *part, const ep_trim_domai
     /* is an outer corner below (above) that is outside (inside)? */
     bool below[2] = {false, false}, above[2] = {false, false};
     for (int i = 0; i < 4; ++i) {
-        const double far = 0.5 + 0.95 * EP_BAND_MARGIN, x = i & 1 ? far : -far, y = i & 2 ? far : -far;
-        const double q = value(&s, x, y), u = centre[0] + x * (high[0] - low[0]),
-                     v = centre[1] + y * (high[1] - low[1]);
-        if (q < lo) below[ep_trim_inside_one(t, part->words, 0, u, v)] = true;
-        if (q > hi) above[ep_trim_inside_one(t, part->words, 0, u, v)] = true;
+        double at[2], x[2];
+        for (int c = 0; c < 2; ++c) {
+            at[c] = i >> c & 1 ? high[c] + 0.95 * cell->margin : low[c] - 0.95 * cell->margin;
+            x[c] = (at[c] - centre[c]) / (high[c] - low[c]);
+        }
+        const double q = value(&s, x[0], x[1]);
+        if (q < lo) below[ep_trim_inside_one(t, part->words, 0, at[0], at[1])] = true;
+        if (q > hi) above[ep_trim_inside_one(t, part->words, 0, at[0], at[1])] = true;
     }
-    /* the sum is off by less than a unit in float, and q's gradient is below 5000; of two sides that are alike one has
-     * to do */
-    const double pad = 2 + 0x1p-22 * side * (5000 / (double)EP_BAND_FINE);
+    /* the sum is off by less than a unit in float, and the point in either coordinate by four roundings; |dq/dx| and
+     * |dq/dy| are together below 2^14. Of two sides that are alike one has to do. */
+    const double pad = 2 + 0x1p-22 * side * (0x1p14 / (double)EP_BAND_FINE);
     const bool has_above = above[0] != above[1],
                has_below = below[0] != below[1] && !(has_above && below[1] == above[1]);
-    s.lo = has_below ? line(floor(lo / (double)EP_BAND_FINE - pad)) : INT16_MIN;
+    s.lo = has_below ? line(floor(lo / (double)EP_BAND_FINE - pad)) : -INT16_MAX;
     s.hi = has_above ? line(ceil(hi / (double)EP_BAND_FINE + pad)) : INT16_MAX;
     if (has_above ? above[0] : below[1])
-        s = (band){-s.a, -s.b, -s.c, has_above ? -s.hi : INT16_MIN, has_below ? -s.lo : INT16_MAX};
+        s = (band){-s.a, -s.b, -s.c, has_above ? -s.hi : -INT16_MAX, has_below ? -s.lo : INT16_MAX};
     put(s, words);
 }

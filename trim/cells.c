@@ -207,9 +207,13 @@ static EPStatus fill(filler *f, const ep_trim_part *part, const uint32_t from[2]
         if (f->room < 0) return EP_OK;
         const size_t at = (size_t)from[1] * f->grid.count[0] + from[0];
         k->store->words[cells + at] = (uint32_t)(k->store->count - f->head);
-        const ep_trim_domain d = ep_domain_rectangle(edge_of(f, 0, from[0]), edge_of(f, 0, to[0]),
-                                                     edge_of(f, 1, from[1]), edge_of(f, 1, to[1]), f->margin);
-        if (f->bands) ep_band_fit(k->trim, part, &d, fmax(f->grid.count[0], f->grid.count[1]), f->bands + 2 * at);
+        ep_trim_domain d = ep_domain_rectangle(edge_of(f, 0, from[0]), edge_of(f, 0, to[0]), edge_of(f, 1, from[1]),
+                                               edge_of(f, 1, to[1]), f->margin);
+        if (f->bands) {
+            const uint32_t *n = f->grid.count;
+            ep_band_fit(k->trim, part, &d, n[0] > n[1] ? n[0] : n[1], f->bands + 2 * at);
+            d.margin = 0; /* what the bands leave open is tested cell by cell */
+        }
         return keep(k, part, &d, 2 * (double)part->pieces, f->depth);
     }
     const int axis = nv > nu;
@@ -269,7 +273,7 @@ static EPStatus start_bands(keeper *k, const ep_grid *g, ep_bands *b)
         b->last[c] = nextafterf((float)g->count[c], 0);
     }
     b->columns = (float)g->count[0];
-    b->reach = 0.9 * EP_BAND_MARGIN / fmax(g->per_unit[0], g->per_unit[1]); /* less what rounds */
+    b->reach = 0.9 * EP_BAND_MARGIN / fmax(g->per_unit[0], g->per_unit[1]);
     return EP_OK;
 }
 
@@ -298,7 +302,7 @@ static EPStatus keep_grid(keeper *k, const ep_trim_part *part, const ep_trim_dom
     if (!s && bands) {
         s = start_bands(k, &f.grid, bands);
         f.bands = bands->words;
-        f.margin = EP_BAND_MARGIN / fmax(f.grid.per_unit[0], f.grid.per_unit[1]);
+        f.margin = bands->reach / 0.9; /* which leaves room for what rounds */
     }
     if (!s) s = fill(&f, part, (const uint32_t[]){0, 0}, n);
     *kept = f.room >= 0;

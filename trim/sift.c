@@ -55,14 +55,14 @@ static inline verdict beside_bands(const ep_bands *g, unsigned lanes, const floa
         x = x < last_x ? x : last_x, y = y < last_y ? y : last_y;
         const float column = (float)(int32_t)x, row = (float)(int32_t)y;
         const int32_t at = 2 * (int32_t)(row * columns + column); /* exact below 2^24 */
-        const int32_t form = (int32_t)words[at], range = (int32_t)words[at + 1];
-        const float a = (float)(form >> 20), b = (float)(form << 12 >> 20);
-        const float c = EP_BAND_BEND * (float)(form << 24 >> 24);
+        const uint32_t form = words[at], range = words[at + 1];
+        const float a = (float)((int32_t)form >> 20), b = (float)((int32_t)(form << 12) >> 20);
+        const float c = EP_BAND_BEND * (float)((int32_t)(form << 24) >> 24);
         const float s = x - column - 0.5f, r = y - row - 0.5f, w = b * s - a * r, q = a * s + b * r + c * w * w;
         /* by how much q may differ within `reach` */
         const float e = (fabsf(a) + fabsf(b)) * step, slack = e + e * fabsf(c) * (2 * fabsf(w) + e);
-        in |= q - slack > EP_BAND_FINE * (float)(range >> 16) ? bit[i] : 0;
-        out |= q + slack < EP_BAND_FINE * (float)(range << 16 >> 16) ? bit[i] : 0;
+        in |= q - slack > EP_BAND_FINE * (float)((int32_t)range >> 16) ? bit[i] : 0;
+        out |= q + slack < EP_BAND_FINE * (float)((int32_t)(range << 16) >> 16) ? bit[i] : 0;
     }
     return (verdict){in, out};
 }
