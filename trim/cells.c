@@ -7,8 +7,9 @@
  * trim curve nearly all points are decided by this.
  *
  * Cells: a rectangle with many pieces becomes a grid with more cells than pieces, most of them empty: two products and
- * a word of memory decide nearly every point, however many curves there are. Where pieces are too long for that, or the
- * domain is no rectangle, it is halved along u or v, whichever duplicates fewer pieces. Either way the stored lists
+ * a word of memory decide nearly every point, however many curves there are. The region as a whole has such a grid,
+ * with a band (band.h) for each cell, and leaves with many pieces refer to it. Where pieces are too long for that, or
+ * the domain is no rectangle, it is halved along u or v, whichever duplicates fewer pieces. Either way the stored lists
  * stay within a multiple of the pieces: memory is linear in their number. */
 #include "trim/arcs.h"
 #include "trim/band.h"
@@ -26,7 +27,7 @@ typedef struct keeper {
     ep_trim_store *store;
     ep_message *message;
     unsigned most_depth;
-    bool own; /* the region's own cells are being made */
+    bool own; /* the region's own cells are being made: nothing can refer to them */
 } keeper;
 
 static EPStatus put(keeper *k, size_t count, const uint32_t *words)

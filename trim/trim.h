@@ -36,7 +36,7 @@
  *   EP_NODE_BOX     floats u0, v0, u1, v1: beyond them all is outside; the node within
  *   EP_NODE_REGION  nothing: the region's own cells decide
  *   EP_NODE_GRID    doubles u0, v0, cells a unit of u, of v; their numbers nu + nv * 65536; then for each cell, row by
- * *                   row in u, 0: outside, 1: inside, or how many words behind the first its node is */
+ *                   row in u, 0: outside, 1: inside, or how many words behind the first its node is */
 typedef enum ep_node_kind {
     EP_NODE_LIST,
     EP_NODE_ANY,
@@ -65,7 +65,7 @@ typedef struct ep_trim_store {
     size_t count, room;
 } ep_trim_store;
 
-/* A word or two beside each cell of the region's grid decide nearly every point (band.h). */
+/* Two words for each cell of the region's grid, which decide nearly every point (band.h). */
 typedef struct ep_bands {
     uint32_t *words;                            /* NULL: the region has no grid */
     float lo[2], per_unit[2], last[2], columns; /* of the grid; `last`: before the end of the last cell */
