@@ -97,15 +97,22 @@ static inline uint32_t sift(const ep_trim *t, const uint32_t *node, unsigned lan
     return in;
 }
 
-EP_VECTORS uint32_t ep_trim_sift(const ep_trim *trim, const uint32_t *words, uint32_t node, unsigned count,
-                                 const float *u, const float *v, uint32_t mask, double reach, uint32_t *open)
+/* static: what is chosen at link time is visible outside the library otherwise */
+EP_VECTORS static uint32_t sift_packet(const ep_trim *t, const uint32_t *node, const float *u, const float *v,
+                                       uint32_t mask, double reach, uint32_t *open)
+{
+    return sift(t, node, LANES, u, v, mask, reach, open);
+}
+
+uint32_t ep_trim_sift(const ep_trim *trim, const uint32_t *words, uint32_t node, unsigned count, const float *u,
+                      const float *v, uint32_t mask, double reach, uint32_t *open)
 {
     if (count == 1) return sift(trim, words + node, 1, u, v, mask, reach, open);
-    if (count == LANES) return sift(trim, words + node, LANES, u, v, mask, reach, open);
+    if (count == LANES) return sift_packet(trim, words + node, u, v, mask, reach, open);
     float point[2][LANES] = {{0}};
     memcpy(point[0], u, count * sizeof *u);
     memcpy(point[1], v, count * sizeof *v);
-    return sift(trim, words + node, LANES, point[0], point[1], mask, reach, open);
+    return sift_packet(trim, words + node, point[0], point[1], mask, reach, open);
 }
 
 uint32_t ep_trim_inside(const ep_trim *trim, const uint32_t *words, uint32_t node, unsigned count, const float *u,
