@@ -41,10 +41,17 @@ static void poles(void **state)
     replay("poles.txt");
 }
 
+static void tangents(void **state)
+{
+    (void)state;
+    replay("tangents.txt");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(poles),
+        cmocka_unit_test(tangents),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

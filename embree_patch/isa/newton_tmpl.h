@@ -8,12 +8,14 @@
  * then right to rounding; the tangents, carried over by the model's second derivatives, to 2^-8 of those' range. */
 #define EP_NEAR 0x1p-7f
 
-/* ... and once what is left is certain to be below its rounding error, or below this many times that of a ray that
- * meets the leaf squarely. The bound is a worst case, often ten times what really is left. */
+/* ... and once what Newton leaves is certain to be below this part of its rounding error, or below EP_ACCEPT times that
+ * of a ray that meets the leaf squarely. Rounding errors seldom reach a tenth of their bound; what Newton leaves may.
+ */
+#define EP_REMAINDER 0.25f
 #define EP_ACCEPT 4.0f
 
-/* A root that rounding may have displaced by more than EP_FLAT along a leaf, where the ray is nearly tangent, is found
- * again in double; and so is one that may be farther than EP_SHARP on either side of the leaf's border. */
+/* A root that may be displaced by more than EP_FLAT along a leaf, where the ray is nearly tangent, is found again in
+ * double; and so is one that may be farther than EP_SHARP on either side of the leaf's border. */
 #define EP_FLAT 0x1p-16f
 #define EP_SHARP 0x1p-18f
 
@@ -251,11 +253,11 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, const 
     r.radius = triangle ? margin + margin : margin;
     /* no root in D, or none in the neighbourhood */
     const w_m miss = w_or(w_lt(r.radius, outside), w_lt(v->radius + margin, w_max(w_abs(r.step_s), w_abs(r.step_t))));
-    const w_m near = w_le(bound, w_max(noise, w_set(EP_ACCEPT * leaf->noise_st)));
+    const w_m near = w_le(bound, w_max(w_set(EP_REMAINDER) * noise, w_set(EP_ACCEPT * leaf->noise_st)));
     /* from c', too, Newton's method in double goes to this root: rounding may have displaced it by more than e */
     const w_m sure = w_and(unique, w_le(bend * margin, one));
     const w_m done = w_and(w_and(w_le(length, w_set(EP_NEAR)), near), sure);
-    r.vague = w_or(w_lt(w_set(EP_FLAT), noise), w_and(w_lt(w_set(EP_SHARP), r.radius), w_le(-outside, r.radius)));
+    r.vague = w_or(w_lt(w_set(EP_FLAT), margin), w_and(w_lt(w_set(EP_SHARP), r.radius), w_le(-outside, r.radius)));
     const w_m shrinks = w_lt(r.radius, w_set(0.75f) * v->radius);
     r.hit = w_andnot(w_and(v->live, done), miss);
     v->live = w_andnot(v->live, w_or(miss, done));

@@ -97,7 +97,6 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
         if (live) {
             w_start(leaf, &visit, triangle, w_move(leaf, org, o, dir, visit.t_plane));
             live = w_bits(visit.live);
-            live = w_bits(visit.live);
         }
         while (live) {
             const w_jet jet = w_jet_at(net, &visit, triangle, m, n, rational);

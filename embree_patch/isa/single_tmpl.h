@@ -229,9 +229,9 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         const float margin = displaced + bound, outside = f4_outside(triangle, found);
         const float left = triangle ? margin + margin : margin;
         if (left < outside || radius + margin < f4_norm(step)) return none;
-        if (length <= EP_NEAR && bound <= f1_max(noise, EP_ACCEPT * leaf->noise_st) && unique &&
+        if (length <= EP_NEAR && bound <= f1_max(EP_REMAINDER * noise, EP_ACCEPT * leaf->noise_st) && unique &&
             bend * margin <= 1.0f) {
-            const bool vague = EP_FLAT < noise || (EP_SHARP < left && -outside <= left);
+            const bool vague = EP_FLAT < margin || (EP_SHARP < left && -outside <= left);
             const f4 distance = (f4_fma(dt, step_t, f4_fma(ds, step_s, at)) + curve) * inverse;
             const float t = t_plane[0] + distance[2];
             if (!(vague || (tnear < t && t <= tfar))) return none;
