@@ -13,7 +13,7 @@
 #include <string.h>
 
 /* How far the parametrisation of a leaf may be from affine. */
-static const double max_distortion = 0.57;
+static const double max_distortion = 0.62;
 
 /* Halvings after which a piece that folds or collapses within is left to subdivision along the ray. */
 enum { FOLD_DEPTH = 12 };
@@ -91,6 +91,7 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
     }
     uint32_t trim = 0;
     if (part && !keep_part(a, d, part, &trim, l)) return;
+    ep_leaf_certify(a->patch, f);
     ep_list_add(l, f, d, a->index, trim, depth);
 }
 

@@ -72,9 +72,16 @@ static ep_range tensor_quadratic(const double c[6])
     return common(r, hull(b, 9));
 }
 
+static double power(double x, unsigned n)
+{
+    double r = 1;
+    for (; n; --n) r *= x;
+    return r;
+}
+
 static double tensor_monomial(unsigned i, unsigned j)
 {
-    return ldexp(1, -(int)(i + j));
+    return power(0.5, i + j);
 }
 
 /* Triangles: leaf coordinates with corners (-1/3, -1/3), (2/3, -1/3), (-1/3, 2/3). */
@@ -144,14 +151,36 @@ static ep_range tri_quadratic(const double c[6])
 /* Where |s| > 1/3, t is within 1/3 of zero, and the other way round. */
 static double tri_monomial(unsigned i, unsigned j)
 {
-    return pow(2.0 / 3, i > j ? i : j) * pow(1.0 / 3, i > j ? j : i);
+    return power(2.0 / 3, i > j ? i : j) * power(1.0 / 3, i > j ? j : i);
 }
 
 const ep_kind ep_kinds[2] = {
-    [EP_KIND_TENSOR] = {"tensor", tensor_point_count, ep_tensor_eval, tensor_restrict, tensor_series, tensor_split,
-                        tensor_index, tensor_quadratic, tensor_monomial, 1, 1.0 / 2, 1.0 / 2},
-    [EP_KIND_TRIANGLE] = {"triangle", tri_point_count, tri_eval, tri_restrict, tri_series, tri_split, tri_index,
-                          tri_quadratic, tri_monomial, 2, 1.0 / 3, 2.0 / 3},
+    [EP_KIND_TENSOR] = {"tensor",
+                        tensor_point_count,
+                        ep_tensor_eval,
+                        tensor_restrict,
+                        tensor_series,
+                        tensor_split,
+                        tensor_index,
+                        tensor_quadratic,
+                        tensor_monomial,
+                        1,
+                        1.0 / 2,
+                        1.0 / 2,
+                        {3.0 / 16, 0, 1.0 / 8}},
+    [EP_KIND_TRIANGLE] = {"triangle",
+                          tri_point_count,
+                          tri_eval,
+                          tri_restrict,
+                          tri_series,
+                          tri_split,
+                          tri_index,
+                          tri_quadratic,
+                          tri_monomial,
+                          2,
+                          1.0 / 3,
+                          2.0 / 3,
+                          {1.0 / 3, -0.1096, 0.0848}},
 };
 
 static ep_vec3 quotient(const ep_point n, double w)

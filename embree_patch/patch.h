@@ -49,6 +49,9 @@ typedef struct ep_kind {
     unsigned halvings; /* that a split is: 1, or 2 where it makes four parts                        */
     double middle;     /* what the leaf's coordinates call zero, in both coordinates of the unit domain */
     double extent;     /* max |s|, |t|                                                                  */
+    /* The linear function closest to s³ over the leaf's domain is level[0] s + c, to s²t level[1] s + level[2] t + c.
+     */
+    double level[3];
 } ep_kind;
 
 extern const ep_kind ep_kinds[2]; /* by ep_kind_id */

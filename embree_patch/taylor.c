@@ -56,18 +56,8 @@ ep_taylor ep_taylor_divide(const ep_taylor *a, const ep_taylor *b, double low, c
         }
     /* what that leaves of a, divided by b */
     const ep_taylor product = ep_taylor_multiply(&q, b, m), left = ep_taylor_add(a, -1, &product);
-    q.rest = ep_taylor_bound(&left, m) / low;
+    q.rest = ep_mag(ep_taylor_range(&left, m)) / low;
     return q;
-}
-
-/* The largest Bernstein coefficient of a cubic, halved so many times: no value is larger. */
-static double cubic_bound(const double b[4], int halvings)
-{
-    if (!halvings) return fmax(fmax(fabs(b[0]), fabs(b[1])), fmax(fabs(b[2]), fabs(b[3])));
-    const double c01 = (b[0] + b[1]) / 2, c12 = (b[1] + b[2]) / 2, c23 = (b[2] + b[3]) / 2;
-    const double d0 = (c01 + c12) / 2, d1 = (c12 + c23) / 2, middle = (d0 + d1) / 2;
-    return fmax(cubic_bound((const double[4]){b[0], c01, d0, middle}, halvings - 1),
-                cubic_bound((const double[4]){middle, d1, c23, b[3]}, halvings - 1));
 }
 
 /* The blossom of the cubic terms: their Bernstein coefficients on the side from p to q are its values at p's and q's.
@@ -78,18 +68,52 @@ static double blossom(const double c[4], const double x[2], const double y[2], c
            c[2] * (x[0] * y[1] * z[1] + x[1] * y[0] * z[1] + x[1] * y[1] * z[0]) / 3 + c[3] * x[1] * y[1] * z[1];
 }
 
-/* The cubic terms are most of what our callers have left. They grow along every line from (0, 0), so they are largest
- * on the border; the sum of their magnitudes may be twice that. */
-double ep_taylor_bound(const ep_taylor *a, const ep_monomials *m)
+/* Includes l k + c k³, 0 <= k <= 1, for the l in `linear` and the c in `both` less `linear`: at k = 1 that is what is
+ * in `both`; before, it may have been (2/3) l sqrt(l / 3|c|), where c is opposite to l. */
+static void include_line(ep_range *r, ep_range linear, ep_range both)
 {
-    double all = a->rest, cubic = 0;
-    for (unsigned n = 0; n < EP_TAYLOR_TERMS; ++n)
-        if (n < ep_taylor_index(3, 0) || n > ep_taylor_index(0, 3)) all += fabs(a->c[n]) * m->max[n];
-    const double *c = &a->c[ep_taylor_index(3, 0)];
+    ep_include(r, both.lo);
+    ep_include(r, both.hi);
+    const double up = fmax(linear.hi, 0), down = fmax(-linear.lo, 0);
+    const double against_up = fmax(linear.lo - both.hi, 0), against_down = fmax(both.lo - linear.hi, 0);
+    ep_include(r, fmin(up, 2 * up / 3 * sqrt(up / (3 * against_up))));
+    ep_include(r, -fmin(down, 2 * down / 3 * sqrt(down / (3 * against_down))));
+}
+
+/* `b`: Bernstein coefficients of the cubic terms on a part of the border; `l`: the linear ones at its ends. */
+static void include_border(ep_range *r, const double b[4], const double l[2], int halvings)
+{
+    if (!halvings) {
+        ep_range linear = EP_NOTHING, both = EP_NOTHING;
+        for (int k = 0; k < 2; ++k) ep_include(&linear, l[k]);
+        for (int k = 0; k < 4; ++k) ep_include(&both, b[k] + l[0] + (l[1] - l[0]) * k / 3);
+        include_line(r, linear, both);
+        return;
+    }
+    const double c01 = (b[0] + b[1]) / 2, c12 = (b[1] + b[2]) / 2, c23 = (b[2] + b[3]) / 2;
+    const double d0 = (c01 + c12) / 2, d1 = (c12 + c23) / 2, middle = (d0 + d1) / 2, l_middle = (l[0] + l[1]) / 2;
+    include_border(r, (const double[4]){b[0], c01, d0, middle}, (const double[2]){l[0], l_middle}, halvings - 1);
+    include_border(r, (const double[4]){middle, d1, c23, b[3]}, (const double[2]){l_middle, l[1]}, halvings - 1);
+}
+
+/* The linear and cubic terms are most of what our callers have left, and of opposite signs. So they are bounded
+ * together, on every line from (0, 0) to a point of the border. */
+ep_range ep_taylor_range(const ep_taylor *a, const ep_monomials *m)
+{
+    double even = a->rest;
+    for (unsigned d = 2; d <= EP_TAYLOR_DEGREE; d += 2)
+        for (unsigned j = 0; j <= d; ++j) {
+            const unsigned n = ep_taylor_index(d - j, j);
+            even += fabs(a->c[n]) * m->max[n];
+        }
+    const double *linear = &a->c[ep_taylor_index(1, 0)], *c = &a->c[ep_taylor_index(3, 0)];
+    ep_range odd = {0, 0};
     for (unsigned k = 0; k < m->corners; ++k) {
         const double *p = m->corner[k], *q = m->corner[(k + 1) % m->corners];
         const double b[4] = {blossom(c, p, p, p), blossom(c, p, p, q), blossom(c, p, q, q), blossom(c, q, q, q)};
-        cubic = fmax(cubic, cubic_bound(b, 2));
+        const double l[2] = {linear[0] * p[0] + linear[1] * p[1], linear[0] * q[0] + linear[1] * q[1]};
+        include_border(&odd, b, l, 2);
     }
-    return (all + cubic) * (1 + 0x1p-40); /* and the rounding of all this */
+    const double rounding = 0x1p-40 * (even + fabs(a->c[0]) + ep_mag(odd));
+    return (ep_range){a->c[0] + odd.lo - even - rounding, a->c[0] + odd.hi + even + rounding};
 }

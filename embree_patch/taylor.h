@@ -8,7 +8,7 @@
 #ifndef EP_TAYLOR_H
 #define EP_TAYLOR_H
 
-#include <math.h>
+#include "embree_patch/range.h"
 
 enum { EP_TAYLOR_DEGREE = 4, EP_TAYLOR_TERMS = 15 };
 
@@ -36,7 +36,7 @@ ep_taylor ep_taylor_add(const ep_taylor *a, double k, const ep_taylor *b);
 ep_taylor ep_taylor_multiply(const ep_taylor *a, const ep_taylor *b, const ep_monomials *m);
 /* `low` > 0 is no larger than any |b|. */
 ep_taylor ep_taylor_divide(const ep_taylor *a, const ep_taylor *b, double low, const ep_monomials *m);
-/* A bound on |a|. */
-double ep_taylor_bound(const ep_taylor *a, const ep_monomials *m);
+/* Contains a's range. */
+ep_range ep_taylor_range(const ep_taylor *a, const ep_monomials *m);
 
 #endif

@@ -151,8 +151,8 @@ EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d
 }
 
 /* Where iteration begins. Seen from the plane the leaf is a graph, its height over its feet u = x + r_st(x), and along
- * the ray u = u0 + p tau where its height is tau. With H the second derivatives at the middle, where the graph is
- * level, a hit has
+ * the ray u = u0 + p tau where its height is tau. With H the second derivatives at the middle, and a plane from which the
+ * graph has no linear terms but those that cancel cubic ones, a hit has
  *
  *     |c0 + c1 tau + c2 tau²/2| <= P,   c0 = middle + H_h u0²/2,  c1 = H_h u0 p - 1,  c2 = H_h p²,
  *

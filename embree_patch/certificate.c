@@ -1,0 +1,212 @@
+/* certificate.c - what certifies the hits of a leaf that is kept: the model's errors, and rounding. See leaf.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Half of the pieces that are fitted are split again; what does not decide about that is computed here, for the others.
+ */
+#include "embree_patch/leaf.h"
+#include "embree_patch/taylor.h"
+
+#include <string.h>
+
+/* Sum of |coefficient c| times its monomial's maximum. */
+static double magnitude(const ep_fit *f, const ep_point *net, unsigned m, unsigned n, int c)
+{
+    double sum = 0;
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= m; ++i) {
+            const size_t at = f->kind->index(m, n, i, j);
+            if (at != SIZE_MAX) sum += fabs(net[at][c]) * ep_monomial(f, i, j);
+        }
+    return sum;
+}
+
+/* The largest contribution to a coordinate of the terms that a series of degree (m, n) has no place for. */
+static double beyond(const ep_fit *f, unsigned m, unsigned n)
+{
+    double largest = 0;
+    for (int c = 0; c < 4; ++c) {
+        double sum = 0;
+        for (unsigned j = 0; j <= f->n; ++j)
+            for (unsigned i = 0; i <= f->m; ++i) {
+                const size_t at = f->kind->index(f->m, f->n, i, j);
+                if (at == SIZE_MAX || f->kind->index(m, n, i, j) != SIZE_MAX) continue;
+                sum += fabs(f->series[at][c]) * ep_monomial(f, i, j);
+            }
+        largest = fmax(largest, sum);
+    }
+    return largest;
+}
+
+/* The kernel needs no term that is lost in one rounding of a coordinate: small pieces of surfaces of high degree, and
+ * of surfaces that are less curved than their degree allows, get by with fewer. Returns what is left out. */
+static double reduce(ep_fit *f)
+{
+    ep_leaf *leaf = &f->leaf;
+    const bool triangle = f->kind == &ep_kinds[EP_KIND_TRIANGLE];
+    unsigned m = f->m, n = f->n;
+    while (m > 1 && beyond(f, m - 1, triangle ? m - 1 : n) <= EP_EPS_F) --m;
+    if (triangle) n = m;
+    while (!triangle && n > 1 && beyond(f, m, n - 1) <= EP_EPS_F) --n;
+    const double lost = beyond(f, m, n);
+    /* a weight that is one to within a rounding is one */
+    const double off = magnitude(f, f->series, f->m, f->n, 3) - 1;
+    if (leaf->rational && off <= EP_EPS_F) leaf->rational = 0;
+    const unsigned special = m > n ? m : n;
+    if (special <= EP_SPECIAL_DEGREES) m = n = special;
+    leaf->degree_s = (uint8_t)m;
+    leaf->degree_t = (uint8_t)n;
+    leaf->shape = (uint8_t)((triangle * 2u + leaf->rational) * (EP_SPECIAL_DEGREES + 1) +
+                            (special <= EP_SPECIAL_DEGREES ? special : 0));
+    f->net_floats = ep_leaf_stride(leaf) * f->kind->point_count(m, n) + 1; /* the last one is read as if of four */
+    return lost + fmax(off, 0) * !leaf->rational;
+}
+
+/* Coordinate c of `series` as far as its terms go. */
+static ep_taylor taylor_of(const ep_fit *f, int c)
+{
+    ep_taylor a = {{0}, 0};
+    for (unsigned j = 0; j <= f->n; ++j)
+        for (unsigned i = 0; i <= f->m; ++i) {
+            const size_t at = f->kind->index(f->m, f->n, i, j);
+            if (at == SIZE_MAX) continue;
+            if (i + j <= EP_TAYLOR_DEGREE) a.c[ep_taylor_index(i, j)] = f->series[at][c];
+            else a.rest += fabs(f->series[at][c]) * ep_monomial(f, i, j);
+        }
+    return a;
+}
+
+/* H x²/2 for the second derivatives of coordinate c; squares: x_s², x_s x_t, x_t². */
+static ep_taylor half_form(const ep_leaf *leaf, int c, const ep_taylor squares[3])
+{
+    const ep_taylor none = {{0}, 0};
+    ep_taylor r = ep_taylor_add(&none, leaf->second[0][c] / 2.0, &squares[0]);
+    r = ep_taylor_add(&r, leaf->second[1][c], &squares[1]);
+    return ep_taylor_add(&r, leaf->second[2][c] / 2.0, &squares[2]);
+}
+
+static void square(const ep_taylor x[2], const ep_monomials *m, ep_taylor squares[3])
+{
+    squares[0] = ep_taylor_multiply(&x[0], &x[0], m);
+    squares[1] = ep_taylor_multiply(&x[0], &x[1], m);
+    squares[2] = ep_taylor_multiply(&x[1], &x[1], m);
+}
+
+/* The model is r's middle and its second derivatives there. The graph: r_h - middle - H_h u²/2 over the feet u = x +
+ * r_st. The foot: x less what w_start makes of u. Bounds on r's derivatives would not do: what distortion adds to r_h
+ * is in u too, and cancels. */
+static void model(ep_fit *f, double lost)
+{
+    ep_leaf *leaf = &f->leaf;
+    static const ep_monomials square_piece = {.corners = 4, .corner = {{-.5, -.5}, {.5, -.5}, {.5, .5}, {-.5, .5}}},
+                              triangle_piece = {
+                                  .corners = 3,
+                                  .corner = {{-1.0 / 3, -1.0 / 3}, {2.0 / 3, -1.0 / 3}, {-1.0 / 3, 2.0 / 3}}};
+    ep_monomials m = f->kind == &ep_kinds[EP_KIND_TRIANGLE] ? triangle_piece : square_piece;
+    for (unsigned d = 0, n = 0; d <= EP_TAYLOR_DEGREE; ++d)
+        for (unsigned j = 0; j <= d; ++j, ++n) m.max[n] = f->kind->monomial(d - j, j);
+
+    ep_taylor surface[3], squares[3];
+    for (int c = 0; c < 3; ++c) surface[c] = taylor_of(f, c);
+    if (leaf->rational) {
+        const ep_taylor weight = taylor_of(f, 3);
+        for (int c = 0; c < 3; ++c) surface[c] = ep_taylor_divide(&surface[c], &weight, f->weight_low, &m);
+    }
+    square(surface, &m, squares);
+    const ep_taylor arc = half_form(leaf, 2, squares);
+    const ep_taylor left = ep_taylor_add(&surface[2], -1, &arc);
+    const ep_range graph = ep_taylor_range(&left, &m);
+    leaf->middle = (float)ep_mid(graph);
+    leaf->graph = ep_round_up(fmax(graph.hi - leaf->middle, leaf->middle - graph.lo) + lost);
+
+    const ep_taylor m_u[2] = {half_form(leaf, 0, squares), half_form(leaf, 1, squares)};
+    ep_taylor products[2][2];
+    for (int k = 0; k < 4; ++k) products[k / 2][k % 2] = ep_taylor_multiply(&surface[k / 2], &m_u[k % 2], &m);
+    double foot = 0;
+    for (unsigned c = 0; c < 2; ++c) {
+        ep_taylor x = ep_taylor_add(&surface[c], -1, &m_u[c]);
+        x = ep_taylor_add(&x, leaf->second[0][c], &products[0][0]);
+        x = ep_taylor_add(&x, leaf->second[1][c], &products[0][1]);
+        x = ep_taylor_add(&x, leaf->second[1][c], &products[1][0]);
+        x = ep_taylor_add(&x, leaf->second[2][c], &products[1][1]);
+        x.c[ep_taylor_index(1 - c, c)] -= 1;
+        foot = fmax(foot, ep_mag(ep_taylor_range(&x, &m)));
+    }
+    /* and what the kernels' arithmetic adds to two dozen terms below this */
+    leaf->foot = ep_round_up(foot + lost + 32 * EP_EPS_F * (1 + 2 * (double)leaf->side));
+}
+
+/* Rounding of F in leaf coordinates; eps = 2^-24.
+ *
+ * A Horner scheme of degree (m, n) with coefficients rounded once errs by at most (2m + 2n + 3) eps times the sum of
+ * the terms' magnitudes; a quotient adds the same for its denominator, times the value, which is at most one, and two.
+ * The moved origin is right to 2 eps of itself and no farther than 3/2 of the piece's sides; M adds 3 eps of
+ * the terms that it adds up. Adding x - M(o') and r takes 2 eps of two at most, each. */
+static void rounding(const ep_patch *p, ep_fit *f, double lost)
+{
+    ep_leaf *leaf = &f->leaf;
+    const unsigned m = leaf->degree_s, n = leaf->degree_t;
+    const double horner = (2.0 * (m + n) + 3) * EP_EPS_F;
+    double error[3], moved[3], total[3];
+    for (int c = 0; c < 3; ++c) {
+        if (leaf->rational)
+            error[c] = horner * (magnitude(f, f->series, f->m, f->n, c) + magnitude(f, f->series, f->m, f->n, 3)) /
+                           f->weight_low +
+                       2 * EP_EPS_F;
+        else error[c] = horner * magnitude(f, f->rest, ep_rest_m(f), ep_rest_n(f), c);
+    }
+    const double *a = &f->column[0].x, *b = &f->column[1].x;
+    for (int k = 0; k < 3; ++k) moved[k] = 1.5 * (fabs(a[k]) + fabs(b[k]));
+    /* the series was computed in double from points of the size of the patch, anywhere in space */
+    const double far = fabs(p->centre[0]) + fabs(p->centre[1]) + fabs(p->centre[2]);
+    const double made = 16 * EP_EPS_D * far + f->loss * p->radius;
+    for (int c = 0; c < 3; ++c) {
+        const double row[3] = {fabs(f->row[c].x), fabs(f->row[c].y), fabs(f->row[c].z)};
+        const double frame_sum = row[0] * moved[0] + row[1] * moved[1] + row[2] * moved[2];
+        total[c] = error[c] + lost + 5 * EP_EPS_F * frame_sum + ep_norm1(f->row[c]) * made;
+        if (c < 2) total[c] += 4 * EP_EPS_F;
+        total[c] *= 1 + 0x1p-10;
+    }
+    leaf->noise_st = ep_round_up(fmax(total[0], total[1]));
+    leaf->noise_h = ep_round_up(total[2]);
+    f->error =
+        (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) * leaf->noise_st + ep_norm1(f->column[2]) * leaf->noise_h;
+    /* The plane's point from the unmoved origin: both o and t d are in it, 5 eps each; o is as long as t d but for
+     * the piece's size. */
+    const double st = fmax(ep_norm1(f->row[0]), ep_norm1(f->row[1])), h = ep_norm1(f->row[2]);
+    leaf->reach_st = ep_round_up(12 * EP_EPS_F * st);
+    leaf->reach_h = ep_round_up(12 * EP_EPS_F * h);
+    leaf->side = ep_round_up(leaf->side + 2 * leaf->noise_st);
+    leaf->height = ep_round_up(leaf->height + 2 * leaf->noise_h);
+}
+
+void ep_leaf_certify(const ep_patch *p, ep_fit *f)
+{
+    ep_leaf *leaf = &f->leaf;
+    if (!f->regular) return;
+    const double lost = reduce(f);
+    model(f, lost);
+    rounding(p, f, lost);
+    /* For the frame's matrix M, M a x M b = det M M^-T (a x b); and S_s x S_t = (uu vv - uv vu) S_u x S_v. */
+    leaf->volume = (float)(1 / (ep_dot(f->row[0], ep_cross(f->row[1], f->row[2])) * f->area));
+}
+
+void ep_leaf_pack(const ep_fit *f, float *net)
+{
+    const ep_leaf *leaf = &f->leaf;
+    if (!f->net_floats) return;
+    const unsigned m = leaf->degree_s, n = leaf->degree_t, stride = ep_leaf_stride(leaf);
+    memset(net, 0, f->net_floats * sizeof *net);
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= m; ++i) {
+            const size_t to = f->kind->index(m, n, i, j), from = f->kind->index(f->m, f->n, i, j);
+            if (to == SIZE_MAX || from == SIZE_MAX) continue;
+            double x[4];
+            memcpy(x, f->series[from], sizeof x);
+            if (!leaf->rational) {
+                x[0] -= i == 1 && j == 0;
+                x[1] -= i == 0 && j == 1;
+            }
+            for (unsigned c = 0; c < stride; ++c) net[stride * to + c] = (float)x[c];
+        }
+}
