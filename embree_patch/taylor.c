@@ -112,7 +112,7 @@ ep_range ep_taylor_range(const ep_taylor *a, const ep_monomials *m)
         const double *p = m->corner[k], *q = m->corner[(k + 1) % m->corners];
         const double b[4] = {blossom(c, p, p, p), blossom(c, p, p, q), blossom(c, p, q, q), blossom(c, q, q, q)};
         const double l[2] = {linear[0] * p[0] + linear[1] * p[1], linear[0] * q[0] + linear[1] * q[1]};
-        include_border(&odd, b, l, 2);
+        include_border(&odd, b, l, 3);
     }
     const double rounding = 0x1p-40 * (even + fabs(a->c[0]) + ep_mag(odd));
     return (ep_range){a->c[0] + odd.lo - even - rounding, a->c[0] + odd.hi + even + rounding};
