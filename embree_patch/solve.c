@@ -448,8 +448,10 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     return true;
 }
 
-/* Steps after which Newton's from a root that is right to 2^-8 are at the rounding of doubles, with one to spare. */
+/* Steps after which Newton's from a root that is right to 2^-8 are at the rounding of doubles, with one to spare. What a
+ * step of 2^-26 leaves is of the order of its square. */
 enum { POLISH_STEPS = 4 };
+static const double last_step = 0x1p-26;
 
 ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5],
                       double exact[2])
@@ -461,7 +463,7 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
     ep_patch_local(patch, local);
     double u = field[3], v = field[4], k = *t - l.t0, step = INFINITY;
     ep_vec3 n = ep_v3(0, 0, 0);
-    for (int i = 0; i < POLISH_STEPS; ++i) {
+    for (int i = 0; i < POLISH_STEPS && step > last_step; ++i) {
         ep_jet jet;
         ep_kinds[patch->kind].eval(local, patch->degree_u, patch->degree_v, u, v, &jet);
         const ep_frame f = ep_project(&jet);
@@ -477,7 +479,7 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
         step = fmax(fabs(du), fabs(dv));
         if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return EP_POLISHED_LOST;
     }
-    if (!(step <= 0x1p-26)) return EP_POLISHED_LOST; /* a double root, nearly */
+    if (!(step <= last_step)) return EP_POLISHED_LOST; /* a double root, nearly */
     *t = (float)(l.t0 + k);
     exact[0] = u, exact[1] = v;
     if (outside(triangle, u, v) > EP_BORDER) return EP_POLISHED_AWAY;

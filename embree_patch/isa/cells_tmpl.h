@@ -123,10 +123,13 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
             const w_step step = w_advance(leaf, &v, triangle, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, triangle, &jet, height, step.stuck);
             const w_f t = middle + (cell + step.distance);
-            const uint32_t bits = w_bits(step.hit);
+            const w_f late = w_fma(w_set(EP_TERMS), w_abs(middle) + w_abs(t), step.late);
+            const w_m nearly = w_and(w_lt(tnear, t + late), w_le(t - late, tfar));
+            const w_m found = w_and(step.hit, nearly);
+            const uint32_t bits = w_bits(found);
             if (bits) {
                 hit |= bits;
-                out->vague |= w_bits(w_and(step.hit, step.vague)) << base;
+                out->vague |= w_bits(w_and(found, step.vague)) << base;
                 w_store(out->t + base, bits, t);
                 w_store(out->radius + base, bits, step.radius);
                 w_put_hit(leaf, triangle, &jet, &step, out->fields + base, EP_PACKET, bits);

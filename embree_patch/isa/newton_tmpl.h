@@ -59,6 +59,7 @@ typedef struct w_step {
     w_f s, t, step_s, step_t; /* the improved Newton point, and the way there */
     w_f radius;               /* the roots are within this of it              */
     w_f distance;             /* the root's t relative to the moved origin    */
+    w_f late;                 /* ... is no farther from the truth than this   */
     w_m hit, vague;           /* vague: float says that there is one, double has to say where */
     w_m stuck;                /* neither, and the neighbourhood does not shrink               */
 } w_step;
@@ -151,18 +152,18 @@ EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d
 }
 
 /* Where iteration begins. Seen from the plane the leaf is a graph, its height over its feet u = x + r_st(x), and along
- * the ray u = u0 + p tau where its height is tau. With H the second derivatives at the middle, and a plane from which the
- * graph has no linear terms but those that cancel cubic ones, a hit has
+ * the ray u = u0 + p tau where its height is tau. With H the second derivatives at the middle, and a plane from which
+ * the graph has no linear terms but those that cancel cubic ones, a hit has
  *
  *     |c0 + c1 tau + c2 tau²/2| <= P,   c0 = middle + H_h u0²/2,  c1 = H_h u0 p - 1,  c2 = H_h p²,
  *
  * P = graph + noise. How the leaf is parametrised does not matter. With D = c1² - 2 c2 c0 and w = 2 |c2| P the ray
  * misses if D < -w. If not, tau is within delta of one of the two roots for D, delta = 2 P / (sqrt(D) + sqrt(D - w)):
  * less than 4/3 P / sqrt(D) if w < 3/4 D, and else the ray is too nearly tangent for this to help. Usually one of the
- * roots is nowhere near the leaf, and the other says where to evaluate first: at x = u - m + H_st u m, m = H_st u²/2,
- * which is right to `foot` for a foot u of D, and off by at most 1 + k + 3/2 k² times what u is, k = |H_st| |u|. Rays
- * with two, and those that are too nearly tangent, are slow. */
-EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o)
+ * roots is nowhere near the leaf, or before tnear, and the other says where to evaluate first: at x = u - m + H_st u m,
+ * m = H_st u²/2, which is right to `foot` for a foot u of D, and off by at most 1 + k + 3/2 k² times what u is, k =
+ * |H_st| |u|. Rays with two, and those that are too nearly tangent, are slow. */
+EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f tnear)
 {
     const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f);
     const float extent = triangle ? 2 * EP_THIRD : EP_HALF, reach = extent + leaf->side;
@@ -193,7 +194,11 @@ EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o)
     /* the other is at tau_2 = q_2 / c2 */
     const w_f q_2 = w_select(falls, q, -q), about = w_fma(p_max, delta, e_st), within = high + delta;
     const w_f u_2 = w_max(w_abs(w_fma(v->p_s, q_2, s * c2)), w_abs(w_fma(v->p_t, q_2, t * c2)));
-    const w_m second = w_and(w_le(q, within * size), w_le(u_2, (w_set(reach) + about) * size));
+    const w_f t_2 = w_select(w_lt(c2, zero), -q_2, q_2) * v->inverse; /* from the plane, times |c2| */
+    const w_f late = w_fma(w_fma(w_set(EP_TERMS), within, delta), w_abs(v->inverse),
+                           w_set(EP_TERMS) * (w_abs(v->t_plane) + w_abs(tnear)));
+    const w_m behind = w_lt(w_fma(late, size, t_2), (tnear - v->t_plane) * size);
+    const w_m second = w_andnot(w_and(w_le(q, within * size), w_le(u_2, (w_set(reach) + about) * size)), behind);
     const w_f u_s = w_fma(v->p_s, tau, s), u_t = w_fma(v->p_t, tau, t), beside = w_set(leaf->side) + about;
     const w_m first =
         w_and(w_le(w_abs(tau), within), w_le(w_outside(triangle, u_s, u_t), triangle ? beside + beside : beside));
@@ -258,6 +263,9 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, const 
     const w_m sure = w_and(unique, w_le(bend * margin, one));
     const w_m done = w_and(w_and(w_le(length, w_set(EP_NEAR)), near), sure);
     r.vague = w_or(w_lt(w_set(EP_FLAT), margin), w_and(w_lt(w_set(EP_SHARP), r.radius), w_le(-outside, r.radius)));
+    /* the height's derivatives, at y and by how they turn, times how far the root may be from c' */
+    const w_f slope = w_fma(w_set(leaf->bend_h), length + margin, w_abs(j->ds.z) + w_abs(j->dt.z));
+    r.late = w_fma(slope, margin, v->noise_h) * w_abs(v->inverse);
     const w_m shrinks = w_lt(r.radius, w_set(0.75f) * v->radius);
     r.hit = w_andnot(w_and(v->live, done), miss);
     v->live = w_andnot(v->live, w_or(miss, done));

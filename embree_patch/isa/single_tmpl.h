@@ -188,7 +188,11 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         const float tau = ((c1 < 0 ? twice_c0 : -twice_c0) * root) * over;
         const float about = f1_fma(p_max, delta, e_st), within = high + delta, q_2 = c1 < 0 ? q : -q;
         const f4 u_2 = f4_fma(p, f4_set(q_2), plane * f4_set(c2));
-        if (q <= within * size && f4_norm(u_2) <= (room + about) * size) return slow;
+        const float t_2 = (c2 < 0 ? -q_2 : q_2) * inverse[0];
+        const float late = f1_fma(f1_fma(EP_TERMS, within, delta), f1_abs(inverse[0]),
+                                  EP_TERMS * (f1_abs(t_plane[0]) + f1_abs(tnear)));
+        const bool behind = f1_fma(late, size, t_2) < (tnear - t_plane[0]) * size;
+        if (q <= within * size && f4_norm(u_2) <= (room + about) * size && !behind) return slow;
         const f4 u = f4_fma(p, f4_set(tau), plane);
         const float beside = leaf->side + about;
         if (!(f1_abs(tau) <= within && f4_outside(triangle, u) <= (triangle ? beside + beside : beside))) return none;
@@ -234,7 +238,11 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
             const bool vague = EP_FLAT < margin || (EP_SHARP < left && -outside <= left);
             const f4 distance = (f4_fma(dt, step_t, f4_fma(ds, step_s, at)) + curve) * inverse;
             const float t = t_plane[0] + distance[2];
-            if (!(vague || (tnear < t && t <= tfar))) return none;
+            const float slope = f1_fma(leaf->bend_h, length + margin, f1_abs(ds[2]) + f1_abs(dt[2]));
+            const float late =
+                f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(t), f1_fma(slope, margin, noise_h) * f1_abs(inverse[0]));
+            const bool within = tnear < t && t <= tfar, nearly = tnear < t + late && t - late <= tfar;
+            if (!(within || (vague && nearly))) return none;
             *t_out = t;
             f4_put_hit(leaf, triangle, found, f4_fma(st, step_t, f4_fma(ss, step_s, ds)),
                        f4_fma(tt, step_t, f4_fma(st, step_s, dt)), hit_out);
