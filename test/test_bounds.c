@@ -230,6 +230,7 @@ static void attained(void **state)
                   ij[0], ij[1], c, names[b], most[b], bound[b]);
             if (bound[b] > 1e-3) best[b] = fmax(best[b], most[b] / bound[b]);
         }
+        epReleaseGeometry(g);
     }
     for (int b = 0; b < BOUNDS; ++b) CHECK(best[b] > 0.9, "%s: no more than %.3g of the bound", names[b], best[b]);
 }

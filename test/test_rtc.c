@@ -390,6 +390,71 @@ static void ids(void **state)
     rtcReleaseDevice(device);
 }
 
+static RTCGeometry instance_of(RTCDevice device, RTCScene scene)
+{
+    RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryInstancedScene(g, scene);
+    rtcCommitGeometry(g);
+    return g;
+}
+
+/* Of coinciding surfaces the one with the smallest ids is hit, in every width, whichever Embree visits first. */
+static void coinciding(void **state)
+{
+    (void)state;
+    RTCDevice device = rtcNewDevice("threads=1");
+    RTCScene inner = rtcNewScene(device), outer = rtcNewScene(device);
+    const unsigned geometry_ids[3] = {5, 3, 9}, instance_ids[2] = {4, 2};
+    test_patch p;
+    rng r = rng_split(12, 0, 0);
+    random_patch(&r, STYLE_WILD, false, (patch_limits){4, 1}, &p);
+    EPGeometry g[3];
+    for (unsigned k = 0; k < 3; ++k) {
+        const test_patch twice[2] = {p, p};
+        EPBuildSettings settings = epDefaultBuildSettings();
+        settings.thickness *= k == 1 ? 1 : 0.5f; /* leaves of other sizes, which find other bits */
+        g[k] = new_geometry(twice, 2, &settings);
+        RTCGeometry rtc = epNewRTCGeometry(g[k], device);
+        rtcAttachGeometryByID(inner, rtc, geometry_ids[k]);
+        rtcReleaseGeometry(rtc);
+    }
+    rtcCommitScene(inner);
+    for (unsigned k = 0; k < 2; ++k) {
+        RTCGeometry instance = instance_of(device, inner);
+        rtcAttachGeometryByID(outer, instance, instance_ids[k]);
+        rtcReleaseGeometry(instance);
+    }
+    rtcCommitScene(outer);
+    oracle *o = new_oracle(&p, 1);
+    for (unsigned k = 0; k < 400; ++k) {
+        float org[16][3], dir[16][3];
+        for (unsigned i = 0; i < 16; ++i) aim(o, AIM_AT, &r, org[i], dir[i]);
+        unsigned found[4][16][5];
+        for (unsigned w = 0; w < 4; ++w)
+            for (unsigned first = 0; first < 16; first += widths[w]) {
+                const unsigned n = widths[w];
+                test_packet packet;
+                for (unsigned i = 0; i < n; ++i) set_ray(&packet, n, i, org[first + i], dir[first + i], 0, INFINITY);
+                ep_rtc_intersect(outer, n, packet.valid, packet.f, false);
+                for (unsigned i = 0; i < n; ++i) {
+                    const unsigned fields[5] = {HIT_INST, HIT_GEOM, HIT_PRIM, HIT_U, EP_RAY_TFAR};
+                    for (unsigned f = 0; f < 5; ++f) found[w][first + i][f] = get_id(&packet, n, fields[f], i);
+                }
+            }
+        for (unsigned i = 0; i < 16; ++i) {
+            if (found[0][i][1] == RTC_INVALID_GEOMETRY_ID) continue;
+            assert_int_equal(found[0][i][0], 2);
+            assert_int_equal(found[0][i][2], 0);
+            for (unsigned w = 1; w < 4; ++w) assert_memory_equal(found[w][i], found[0][i], sizeof found[0][i]);
+        }
+    }
+    oracle_free(o);
+    rtcReleaseScene(outer);
+    rtcReleaseScene(inner);
+    for (unsigned k = 0; k < 3; ++k) epReleaseGeometry(g[k]);
+    rtcReleaseDevice(device);
+}
+
 /* Directions of no length or nearly none, and origins as far as Embree takes them; what it does not take, such as NaN,
  * is asked of the kernels themselves in test_kernels.c. */
 static void extreme_rays(void **state)
@@ -454,6 +519,7 @@ int main(void)
         cmocka_unit_test(instances),
         cmocka_unit_test(masks),
         cmocka_unit_test(ids),
+        cmocka_unit_test(coinciding),
         cmocka_unit_test(extreme_rays),
         cmocka_unit_test(threads),
     };

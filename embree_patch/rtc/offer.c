@@ -15,13 +15,45 @@ void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one)
     for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) one->ray[f] = packet->ray[f * n + lane];
     if (!packet->intersect) return;
     /* what ep_in_front looks at */
-    for (unsigned f = EP_RAY_FIELDS; f <= EP_RAY_FIELDS + HIT_GEOM; ++f) one->ray[f] = packet->ray[f * n + lane];
+    for (unsigned f = EP_RAY_FIELDS; f < EP_RAY_FIELDS + HIT_FIELDS; ++f) one->ray[f] = packet->ray[f * n + lane];
 }
 
 void ep_put_lane(const ep_lane *one, const ep_query *packet, unsigned lane)
 {
     const unsigned n = packet->n, fields = packet->intersect ? EP_RAY_FIELDS + HIT_FIELDS : EP_RAY_FIELDS;
     for (unsigned f = EP_RAY_TFAR; f < fields; ++f) packet->ray[f * n + lane] = one->ray[f];
+}
+
+/* Ids of what is hit, the outermost first. */
+enum { IDS = HIT_FIELDS - 5 };
+
+static void ids_of(const ep_query *q, uint32_t id[IDS])
+{
+    unsigned k = 0;
+    for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
+        id[k++] = q->context->instID[l];
+#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
+        id[k++] = q->context->instPrimID[l];
+#endif
+    }
+    id[k++] = q->geom_id;
+    id[k++] = q->leaf->patch;
+}
+
+/* ... of what the ray has met. */
+static void ids_met(const ep_query *q, unsigned lane, uint32_t id[IDS])
+{
+    const float *hit = q->ray + EP_RAY_FIELDS * q->n + lane;
+    unsigned field[IDS], k = 0;
+    for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
+        field[k++] = HIT_INST + l;
+#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
+        field[k++] = HIT_INST + RTC_MAX_INSTANCE_LEVEL_COUNT + l;
+#endif
+    }
+    field[k++] = HIT_GEOM;
+    field[k++] = HIT_PRIM;
+    for (k = 0; k < IDS; ++k) memcpy(&id[k], &hit[field[k] * q->n], sizeof id[k]);
 }
 
 bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
@@ -31,12 +63,13 @@ bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
     if (!(q->ray[EP_RAY_TNEAR * n + lane] < t && t <= tfar)) return false;
     if (t < tfar) return true;
     if (!q->intersect) return false;
+    uint32_t own[IDS], met[IDS];
+    ids_of(q, own);
+    ids_met(q, lane, met);
+    if (met[IDS - 2] == RTC_INVALID_GEOMETRY_ID) return false; /* tfar is the ray's own end */
+    for (unsigned k = 0; k < IDS; ++k)
+        if (own[k] != met[k]) return own[k] < met[k];
     const float *hit = q->ray + EP_RAY_FIELDS * n;
-    uint32_t geom, prim;
-    memcpy(&geom, &hit[HIT_GEOM * n + lane], sizeof geom);
-    memcpy(&prim, &hit[HIT_PRIM * n + lane], sizeof prim);
-    if (geom != q->geom_id || prim < q->leaf->patch) return false;
-    if (prim > q->leaf->patch) return true;
     static const unsigned fields[] = {EP_HIT_U, EP_HIT_V, EP_HIT_NG, EP_HIT_NG + 1, EP_HIT_NG + 2};
     for (unsigned f = 0; f < EP_ARRAY_LEN(fields); ++f) {
         const unsigned at = fields[f] * n + lane;
