@@ -92,7 +92,10 @@ static void print_sort(const sort *s)
     char degree[24];
     if (s->kind == PATCH_TRIANGLE) snprintf(degree, sizeof degree, "%u", s->degree_u);
     else snprintf(degree, sizeof degree, "%u x %u", s->degree_u, s->degree_v);
-    printf("  %zu %s of degree %s, %s\n", s->count, s->kind == PATCH_TRIANGLE ? "Bézier triangles" : "Bézier patches",
+    printf("  %zu %s%s of degree %s, %s\n", s->count, s->kind == PATCH_TRIANGLE ? "Bézier triangle" : "Bézier patch",
+           s->count == 1               ? ""
+           : s->kind == PATCH_TRIANGLE ? "s"
+                                       : "es",
            degree, s->rational ? "rational" : "polynomial");
 }
 
@@ -100,7 +103,8 @@ static void print_table(const world *w, const geometry_info *infos, const EPStat
                         const trace_result *traced)
 {
     const scene *s = w->scene;
-    printf("%s: %zu geometries, %zu objects, kernels %s\n", s->path, s->geometry_count, s->object_count,
+    printf("%s: %zu geometr%s, %zu object%s, kernels %s\n", s->path, s->geometry_count,
+           s->geometry_count == 1 ? "y" : "ies", s->object_count, s->object_count == 1 ? "" : "s",
            total->isa ? total->isa : "none");
     if (w->bounds[0] <= w->bounds[3])
         printf("box %g %g %g to %g %g %g\n", (double)w->bounds[0], (double)w->bounds[1], (double)w->bounds[2],

@@ -16,8 +16,9 @@ void ep_svg_begin(FILE *f, const ep_point2 lo, const ep_point2 hi)
     fprintf(f,
             "<style>*{stroke:#555;stroke-width:%.9g;stroke-linejoin:round}"
             ".i{fill:#cfe8cf}.o{fill:#eee}.x{fill:#f2a33a}.c{fill:none;stroke:#b00020;stroke-width:%.9g}</style>\n"
+            "<rect style=\"fill:#fff;stroke:none\" x=\"%.9g\" y=\"%.9g\" width=\"100%%\" height=\"100%%\"/>\n"
             "<g transform=\"scale(1,-1)\">\n",
-            0.5 * pixel, 1.2 * pixel);
+            0.5 * pixel, 1.2 * pixel, lo[0] - border, -hi[1] - border);
 }
 
 void ep_svg_leaf(FILE *f, ep_trim_state state, unsigned count, const ep_point2 *corners)
