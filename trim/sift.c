@@ -12,8 +12,9 @@
 
 enum { LANES = EP_TRIM_LANES };
 
-/* The best that the machine has, where the C library can choose when it links. */
-#if defined(__x86_64__) && defined(__GLIBC__)
+/* The best that the machine has, where the C library can choose when it links. Clang's choice would be a symbol of the
+ * library. */
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 #define EP_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define EP_VECTORS
