@@ -92,9 +92,9 @@ static void square(const ep_taylor x[2], const ep_monomials *m, ep_taylor square
     squares[2] = ep_taylor_multiply(&x[1], &x[1], m);
 }
 
-/* The model is r's middle and its second derivatives there. The graph: r_h - middle - H_h u²/2 over the feet u = x +
- * r_st. The foot: x less what w_start makes of u. Bounds on r's derivatives would not do: what distortion adds to r_h
- * is in u too, and cancels. */
+/* The model's second derivatives are r's at the middle; its own middle is where it errs least. The graph: r_h - middle
+ * - H_h u²/2 over the feet u = x + r_st. The foot: x less what w_start makes of u. Bounds on r's derivatives would not
+ * do: what distortion adds to r_h is in u too, and cancels. */
 static void model(ep_fit *f, double lost)
 {
     ep_leaf *leaf = &f->leaf;

@@ -123,9 +123,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
             const w_step step = w_advance(leaf, &v, triangle, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, triangle, &jet, height, step.stuck);
             const w_f t = middle + (cell + step.distance);
-            const w_f late = w_fma(w_set(EP_TERMS), w_abs(middle) + w_abs(t), step.late);
-            const w_m nearly = w_and(w_lt(tnear, t + late), w_le(t - late, tfar));
-            const w_m found = w_and(step.hit, nearly);
+            const w_m found = w_and(step.hit, w_nearly(&step, middle, t, tnear, tfar));
             const uint32_t bits = w_bits(found);
             if (bits) {
                 hit |= bits;

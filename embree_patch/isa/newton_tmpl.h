@@ -279,6 +279,13 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, const 
     return r;
 }
 
+/* May the root of a step, at t, `base` of it being the moved origin's, be between `after` and `before`? */
+EP_INLINE w_m w_nearly(const w_step *step, w_f base, w_f t, w_f after, w_f before)
+{
+    const w_f late = w_fma(w_set(EP_TERMS), w_abs(base) + w_abs(t), step->late);
+    return w_and(w_lt(after, t + late), w_le(t - late, before));
+}
+
 /* The patch's parameters at (s, t) of a leaf. */
 EP_INLINE void w_parameters(const ep_leaf *leaf, int triangle, w_f s, w_f t, w_f *u, w_f *v)
 {

@@ -106,9 +106,8 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
             const w_f t = visit.t_plane + step.distance;
             const w_f after = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
             const w_f before = w_load(ray + EP_RAY_TFAR * rays, rays - base);
-            const w_f late = w_fma(w_set(EP_TERMS), w_abs(visit.t_plane) + w_abs(t), step.late);
             const w_m within = w_and(w_lt(after, t), w_le(t, before));
-            const w_m nearly = w_and(w_lt(after, t + late), w_le(t - late, before));
+            const w_m nearly = w_nearly(&step, visit.t_plane, t, after, before);
             const w_m found = w_and(step.hit, w_or(within, w_and(step.vague, nearly)));
             const uint32_t bits = w_bits(found);
             if (bits) {

@@ -24,36 +24,20 @@ void ep_put_lane(const ep_lane *one, const ep_query *packet, unsigned lane)
     for (unsigned f = EP_RAY_TFAR; f < fields; ++f) packet->ray[f * n + lane] = one->ray[f];
 }
 
-/* Ids of what is hit, the outermost first. */
-enum { IDS = HIT_FIELDS - 5 };
+/* Ids of what is hit, as they stand in a hit from HIT_PRIM on. */
+enum { IDS = HIT_FIELDS - HIT_PRIM };
 
 static void ids_of(const ep_query *q, uint32_t id[IDS])
 {
-    unsigned k = 0;
+    id[0] = q->leaf->patch;
+    id[HIT_GEOM - HIT_PRIM] = q->geom_id;
+    uint32_t *inst = &id[HIT_INST - HIT_PRIM];
     for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
-        id[k++] = q->context->instID[l];
+        inst[l] = q->context->instID[l];
 #ifdef RTC_GEOMETRY_INSTANCE_ARRAY
-        id[k++] = q->context->instPrimID[l];
+        inst[RTC_MAX_INSTANCE_LEVEL_COUNT + l] = q->context->instPrimID[l];
 #endif
     }
-    id[k++] = q->geom_id;
-    id[k++] = q->leaf->patch;
-}
-
-/* ... of what the ray has met. */
-static void ids_met(const ep_query *q, unsigned lane, uint32_t id[IDS])
-{
-    const float *hit = q->ray + EP_RAY_FIELDS * q->n + lane;
-    unsigned field[IDS], k = 0;
-    for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
-        field[k++] = HIT_INST + l;
-#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
-        field[k++] = HIT_INST + RTC_MAX_INSTANCE_LEVEL_COUNT + l;
-#endif
-    }
-    field[k++] = HIT_GEOM;
-    field[k++] = HIT_PRIM;
-    for (k = 0; k < IDS; ++k) memcpy(&id[k], &hit[field[k] * q->n], sizeof id[k]);
 }
 
 bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
@@ -63,13 +47,15 @@ bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
     if (!(q->ray[EP_RAY_TNEAR * n + lane] < t && t <= tfar)) return false;
     if (t < tfar) return true;
     if (!q->intersect) return false;
+    const float *hit = q->ray + EP_RAY_FIELDS * n;
     uint32_t own[IDS], met[IDS];
     ids_of(q, own);
-    ids_met(q, lane, met);
-    if (met[IDS - 2] == RTC_INVALID_GEOMETRY_ID) return false; /* tfar is the ray's own end */
-    for (unsigned k = 0; k < IDS; ++k)
-        if (own[k] != met[k]) return own[k] < met[k];
-    const float *hit = q->ray + EP_RAY_FIELDS * n;
+    for (unsigned k = 0; k < IDS; ++k) memcpy(&met[k], &hit[(HIT_PRIM + k) * n + lane], sizeof met[k]);
+    if (met[HIT_GEOM - HIT_PRIM] == RTC_INVALID_GEOMETRY_ID) return false; /* tfar is the ray's own end */
+    for (unsigned k = 0; k < IDS; ++k) {
+        const unsigned at = k + 2 < IDS ? k + 2 : IDS - 1 - k; /* instances, geometry, primitive */
+        if (own[at] != met[at]) return own[at] < met[at];
+    }
     static const unsigned fields[] = {EP_HIT_U, EP_HIT_V, EP_HIT_NG, EP_HIT_NG + 1, EP_HIT_NG + 2};
     for (unsigned f = 0; f < EP_ARRAY_LEN(fields); ++f) {
         const unsigned at = fields[f] * n + lane;
@@ -144,14 +130,9 @@ static void fill_row(float *hit, unsigned row, unsigned n, unsigned value)
 
 static void fill_ids(const ep_query *q, float *hit)
 {
-    fill_row(hit, HIT_PRIM, q->n, q->leaf->patch);
-    fill_row(hit, HIT_GEOM, q->n, q->geom_id);
-    for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
-        fill_row(hit, HIT_INST + l, q->n, q->context->instID[l]);
-#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
-        fill_row(hit, HIT_INST + RTC_MAX_INSTANCE_LEVEL_COUNT + l, q->n, q->context->instPrimID[l]);
-#endif
-    }
+    uint32_t id[IDS];
+    ids_of(q, id);
+    for (unsigned k = 0; k < IDS; ++k) fill_row(hit, HIT_PRIM + k, q->n, id[k]);
 }
 
 static void filter(const ep_query *q, int *valid, ep_candidates *c)
