@@ -6,37 +6,63 @@
 #include <math.h>
 #include <string.h>
 
-static void lerp(ep_point out, const ep_point a, const ep_point b, double t)
+/* Half of a point; compilers do not find out by themselves that `out` may be a or b. */
+typedef double pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline void lerp(ep_point out, const ep_point a, const ep_point b, double t)
 {
-    for (int c = 0; c < 4; ++c) out[c] = (1 - t) * a[c] + t * b[c];
+    const pair *x = (const pair *)a, *y = (const pair *)b;
+    const pair low = (1 - t) * x[0] + t * y[0], high = (1 - t) * x[1] + t * y[1];
+    ((pair *)out)[0] = low;
+    ((pair *)out)[1] = high;
 }
 
-/* Value, first and second derivative of the Bézier curve p of degree n at t; p is destroyed. The last levels of de
- * Casteljau's triangle hold them: n(n-1) times the second difference of level n-2, n times the first of level n-1. */
-static void curve_jet(ep_point *p, unsigned n, double t, ep_point d0, ep_point d1, ep_point d2)
+/* The last three points of de Casteljau's scheme for the curve of degree n >= 2 with points p[0], p[stride], ...; the
+ * points themselves for a lower one. */
+static inline void last_points(const ep_point *p, size_t stride, unsigned n, double t, ep_point out[3])
 {
-    memset(d1, 0, sizeof(ep_point));
-    memset(d2, 0, sizeof(ep_point));
-    for (unsigned k = n; k > 0; --k) {
-        if (k == 2)
-            for (int c = 0; c < 4; ++c) d2[c] = n * (n - 1.0) * (p[2][c] - 2 * p[1][c] + p[0][c]);
-        if (k == 1)
-            for (int c = 0; c < 4; ++c) d1[c] = n * (p[1][c] - p[0][c]);
-        for (unsigned i = 0; i < k; ++i) lerp(p[i], p[i], p[i + 1], t);
+    ep_point q[EP_NET_DEGREE + 1];
+    if (n <= 3) {
+        for (unsigned i = 0; i < 3 && i <= n; ++i) {
+            if (n == 3) lerp(out[i], p[i * stride], p[(i + 1) * stride], t);
+            else memcpy(out[i], p[i * stride], sizeof *out);
+        }
+        return;
     }
-    memcpy(d0, p[0], sizeof(ep_point));
+    for (unsigned i = 0; i < n; ++i) lerp(q[i], p[i * stride], p[(i + 1) * stride], t);
+    for (unsigned k = n - 1; k > 2; --k)
+        for (unsigned i = 0; i < k; ++i) lerp(q[i], q[i], q[i + 1], t);
+    memcpy(out, q, 3 * sizeof *out);
+}
+
+/* Value, first and second derivative of a curve of degree n from its last points: n(n-1) times their second difference,
+ * n times the first of what is next. */
+static inline void last_jet(const ep_point p[3], unsigned n, double t, ep_point d0, ep_point d1, ep_point d2)
+{
+    ep_point a, b;
+    memcpy(a, p[0], sizeof a);
+    memcpy(b, p[n > 0], sizeof b);
+    for (int c = 0; c < 4; ++c) d2[c] = n < 2 ? 0 : n * (n - 1.0) * (p[2][c] - 2 * p[1][c] + p[0][c]);
+    if (n > 1) {
+        lerp(a, p[0], p[1], t);
+        lerp(b, p[1], p[2], t);
+    }
+    for (int c = 0; c < 4; ++c) d1[c] = n * (b[c] - a[c]);
+    lerp(d0, a, b, t);
 }
 
 void ep_tensor_eval(const ep_point *net, unsigned m, unsigned n, double u, double v, ep_jet *jet)
 {
-    ep_point row[EP_NET_DEGREE + 1], a[EP_NET_DEGREE + 1], b[EP_NET_DEGREE + 1], c[EP_NET_DEGREE + 1], unused;
-    for (unsigned j = 0; j <= n; ++j) {
-        memcpy(row, net + j * (m + 1), (m + 1) * sizeof(ep_point));
-        curve_jet(row, m, u, a[j], b[j], c[j]);
+    const unsigned across = m < 2 ? m : 2;
+    ep_point row[(EP_NET_DEGREE + 1) * 3], column[3], a[3], b[3], c[3], unused;
+    for (unsigned j = 0; j <= n; ++j) last_points(net + j * (m + 1), 1, m, u, row + 3 * j);
+    for (unsigned i = 0; i <= across; ++i) {
+        last_points(row + i, 3, n, v, column);
+        last_jet(column, n, v, a[i], b[i], c[i]);
     }
-    curve_jet(a, n, v, jet->p, jet->pv, jet->pvv);
-    curve_jet(b, n, v, jet->pu, jet->puv, unused);
-    curve_jet(c, n, v, jet->puu, unused, unused);
+    last_jet(a, m, u, jet->p, jet->pu, jet->puu);
+    last_jet(b, m, u, jet->pv, jet->puv, unused);
+    last_jet(c, m, u, jet->pvv, unused, unused);
 }
 
 /* One step of the triangular algorithm in place: a net of degree n becomes one of degree n-1. (u, v, w) adds up to one
@@ -142,7 +168,7 @@ static void curve_series(ep_point *p, unsigned n, size_t stride, double t0, doub
     ep_point level[EP_NET_DEGREE + 1];
     for (unsigned i = 0; i <= n; ++i) memcpy(level[i], p[i * stride], sizeof(ep_point));
     for (unsigned i = n;; --i) {
-        double *to = p[i * stride], factor = binomial(n, i) * pow(h, i);
+        double *to = p[i * stride], factor = binomial(n, i) * ep_power(h, i);
         for (int c = 0; c < 4; ++c) to[c] = 0;
         for (unsigned k = 0; k <= i; ++k, factor = -factor * (i - k + 1) / k)
             for (int c = 0; c < 4; ++c) to[c] += factor * level[i - k][c];

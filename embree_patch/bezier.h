@@ -28,6 +28,13 @@ static inline size_t ep_tri_count(unsigned n)
     return (size_t)(n + 1) * (n + 2) / 2;
 }
 
+static inline double ep_power(double x, unsigned n)
+{
+    double r = 1;
+    for (; n; --n) r *= x;
+    return r;
+}
+
 /* A value with its first and second derivatives. */
 typedef struct ep_jet {
     ep_point p, pu, pv, puu, puv, pvv;

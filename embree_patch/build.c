@@ -21,7 +21,6 @@ enum { FOLD_DEPTH = 12 };
 typedef struct piece_args {
     const ep_patch *patch;
     const ep_trim *trim;
-    const ep_point *local;
     uint32_t index;
     const EPBuildSettings *settings;
     ep_fit *fit; /* scratch */
@@ -72,7 +71,7 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
 {
     ep_fit *f = a->fit;
     const ep_kind_id kind = a->patch->kind;
-    ep_leaf_fit(a->patch, a->local, d, f);
+    ep_leaf_fit(d, f);
     if (depth < a->settings->maxDepth) {
         const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) &&
                           f->distortion <= max_distortion && f->loss <= max_loss;
@@ -91,7 +90,7 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
     }
     uint32_t trim = 0;
     if (part && !keep_part(a, d, part, &trim, l)) return;
-    ep_leaf_certify(a->patch, f);
+    ep_leaf_certify(f);
     ep_list_add(l, f, d, a->index, trim, depth);
 }
 
@@ -106,9 +105,8 @@ static void build_patch(const void *what, const ep_patch *p, uint32_t index, ep_
     static const ep_domain whole = {0, 0, 1, 0, 0, 1};
     const build_args *b = what;
     const ep_trim *trim = b->trims[index];
-    ep_point local[EP_NET_POINTS];
-    ep_patch_local(p, local);
-    const piece_args a = {p, trim, local, index, b->settings, fit};
+    const piece_args a = {p, trim, index, b->settings, fit};
+    ep_leaf_begin(p, fit);
     build_parts(&a, &whole, 1, trim ? &trim->root : NULL, SURFACE, 0, l);
 }
 

@@ -58,7 +58,7 @@ static double reduce(ep_fit *f)
     leaf->degree_t = (uint8_t)n;
     leaf->shape = (uint8_t)((triangle * 2u + leaf->rational) * (EP_SPECIAL_DEGREES + 1) +
                             (special <= EP_SPECIAL_DEGREES ? special : 0));
-    f->net_floats = ep_leaf_stride(leaf) * f->kind->point_count(m, n) + 1; /* the last one is read as if of four */
+    f->net_floats = ep_leaf_stride(leaf) * f->kind->point_count(m, n);
     return lost + fmax(off, 0) * !leaf->rational;
 }
 
@@ -80,9 +80,9 @@ static ep_taylor taylor_of(const ep_fit *f, int c)
 static ep_taylor half_form(const ep_leaf *leaf, int c, const ep_taylor squares[3])
 {
     const ep_taylor none = {{0}, 0};
-    ep_taylor r = ep_taylor_add(&none, leaf->second[0][c] / 2.0, &squares[0]);
-    r = ep_taylor_add(&r, leaf->second[1][c], &squares[1]);
-    return ep_taylor_add(&r, leaf->second[2][c] / 2.0, &squares[2]);
+    ep_taylor r = ep_taylor_add(&none, leaf->half[0][c], &squares[0]);
+    r = ep_taylor_add(&r, 2.0 * leaf->half[1][c], &squares[1]);
+    return ep_taylor_add(&r, leaf->half[2][c], &squares[2]);
 }
 
 static void square(const ep_taylor x[2], const ep_monomials *m, ep_taylor squares[3])
@@ -125,10 +125,10 @@ static void model(ep_fit *f, double lost)
     double foot = 0;
     for (unsigned c = 0; c < 2; ++c) {
         ep_taylor x = ep_taylor_add(&surface[c], -1, &m_u[c]);
-        x = ep_taylor_add(&x, leaf->second[0][c], &products[0][0]);
-        x = ep_taylor_add(&x, leaf->second[1][c], &products[0][1]);
-        x = ep_taylor_add(&x, leaf->second[1][c], &products[1][0]);
-        x = ep_taylor_add(&x, leaf->second[2][c], &products[1][1]);
+        x = ep_taylor_add(&x, 2.0 * leaf->half[0][c], &products[0][0]);
+        x = ep_taylor_add(&x, 2.0 * leaf->half[1][c], &products[0][1]);
+        x = ep_taylor_add(&x, 2.0 * leaf->half[1][c], &products[1][0]);
+        x = ep_taylor_add(&x, 2.0 * leaf->half[2][c], &products[1][1]);
         x.c[ep_taylor_index(1 - c, c)] -= 1;
         foot = fmax(foot, ep_mag(ep_taylor_range(&x, &m)));
     }
@@ -142,8 +142,9 @@ static void model(ep_fit *f, double lost)
  * the terms' magnitudes; a quotient adds the same for its denominator, times the value, which is at most one, and two.
  * The moved origin is right to 2 eps of itself and no farther than 3/2 of the piece's sides; M adds 3 eps of
  * the terms that it adds up. Adding x - M(o') and r takes 2 eps of two at most, each. */
-static void rounding(const ep_patch *p, ep_fit *f, double lost)
+static void rounding(ep_fit *f, double lost)
 {
+    const ep_patch *p = f->patch;
     ep_leaf *leaf = &f->leaf;
     const unsigned m = leaf->degree_s, n = leaf->degree_t;
     const double horner = (2.0 * (m + n) + 3) * EP_EPS_F;
@@ -180,13 +181,13 @@ static void rounding(const ep_patch *p, ep_fit *f, double lost)
     leaf->height = ep_round_up(leaf->height + 2 * leaf->noise_h);
 }
 
-void ep_leaf_certify(const ep_patch *p, ep_fit *f)
+void ep_leaf_certify(ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
     if (!f->regular) return;
     const double lost = reduce(f);
     model(f, lost);
-    rounding(p, f, lost);
+    rounding(f, lost);
     /* For the frame's matrix M, M a x M b = det M M^-T (a x b); and S_s x S_t = (uu vv - uv vu) S_u x S_v. */
     leaf->volume = (float)(1 / (ep_dot(f->row[0], ep_cross(f->row[1], f->row[2])) * f->area));
 }

@@ -120,10 +120,11 @@ EPStatus ep_join(const ep_list *lists, size_t count, ep_hierarchy *out)
     if (total > UINT32_MAX || floats > UINT32_MAX || words > UINT32_MAX) return EP_UNSUPPORTED;
     out->leaves = ep_alloc(total, sizeof(ep_leaf));
     out->boxes = ep_alloc(total, sizeof(ep_box));
-    out->nets = ep_alloc(floats, sizeof(float));
+    out->nets = ep_alloc(floats + 1, sizeof(float)); /* a coefficient is read as if of four */
     out->crossed = ep_alloc(words, sizeof(uint32_t));
     out->exact = ep_alloc(exact, sizeof(ep_exact_domain));
     if (!out->leaves || !out->boxes || !out->nets || !out->crossed || !out->exact) return EP_NO_MEMORY;
+    out->nets[floats] = 0;
     double depth = 0, thickness = 0;
     for (size_t i = 0; i < count; ++i) {
         const ep_list *l = &lists[i];

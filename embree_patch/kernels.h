@@ -35,7 +35,20 @@ typedef ep_outcome ep_packet_kernel(const ep_leaf *leaf, const float *net, const
 typedef ep_outcome ep_single_kernel(const ep_leaf *leaf, const float *net, const float *ray, float *t, float *hit,
                                     EPCounters *counters);
 
-/* A nearly tangent ray's way through a leaf is cut into so many cells; up to EP_PACKET / EP_CELLS rays at a time. */
+/* What became of a packet's nearly tangent rays: up to two roots each, in no order, perhaps the same one twice. */
+typedef struct ep_roots {
+    float *t[2], *hits[2];      /* where they go; lanes and fields as in a packet             */
+    float radius[2][EP_PACKET]; /* how accurate they are, in leaf coordinates                 */
+    uint32_t hit[2];            /* near (tnear, tfar]                                         */
+    uint32_t vague[2];          /* those that ep_polish has to find again                     */
+    uint32_t open;              /* undecided: look closer, whatever was found                 */
+} ep_roots;
+
+/* For lanes that the other two have left undecided; n may be 1. */
+typedef void ep_tangent_kernel(const ep_leaf *leaf, const float *net, const float *ray, unsigned n, uint32_t active,
+                               ep_roots *out);
+
+/* An undecided ray's way through a leaf is cut into so many cells; up to EP_PACKET / EP_CELLS rays at a time. */
 #define EP_CELLS 4
 
 /* What became of cell c of ray r: element r EP_CELLS + c; cells in order of t. */
@@ -62,6 +75,7 @@ typedef struct ep_kernels {
     unsigned width;                      /* lanes a step */
     ep_packet_kernel *packet[EP_SHAPES]; /* n = 4, 8, 16 */
     ep_single_kernel *single[EP_SHAPES]; /* n = 1        */
+    ep_tangent_kernel *tangent[EP_SHAPES];
     ep_cells_kernel *cells[EP_SHAPES];
     /* What a filter needs around it, for packets of n = 4, 8, 16. `before` and `valid` have room for 16 and are
      * aligned. offer: valid = -1 in `mask` and 0 elsewhere; the rays' tfar becomes t there, and all of it is kept in

@@ -31,61 +31,50 @@ typedef struct bounds {
 static void make_rest(ep_fit *f)
 {
     const ep_kind *kind = f->kind;
+    if (!f->raised) { /* the weight of a polynomial is one but for its rounding */
+        memcpy(f->rest, f->series, f->terms * sizeof(ep_point));
+        f->rest[f->low[1]][0] -= f->series[0][3];
+        f->rest[f->low[2]][1] -= f->series[0][3];
+        return;
+    }
     const unsigned m = ep_rest_m(f), n = ep_rest_n(f);
-    memset(f->rest, 0, kind->point_count(m, n) * sizeof(ep_point));
+    memset(f->rest, 0, f->terms * sizeof(ep_point));
     for (unsigned j = 0; j <= f->n; ++j)
         for (unsigned i = 0; i <= f->m; ++i) {
             const size_t from = kind->index(f->m, f->n, i, j);
             if (from == SIZE_MAX) continue;
             double *to = f->rest[kind->index(m, n, i, j)];
             for (int c = 0; c < 4; ++c) to[c] += f->series[from][c];
-            /* the weight of a polynomial is one but for its rounding */
-            const double w = f->raised ? f->series[from][3] : i + j == 0;
-            if (w == 0) continue;
-            f->rest[kind->index(m, n, i + 1, j)][0] -= w;
-            f->rest[kind->index(m, n, i, j + 1)][1] -= w;
+            f->rest[kind->index(m, n, i + 1, j)][0] -= f->series[from][3];
+            f->rest[kind->index(m, n, i, j + 1)][1] -= f->series[from][3];
         }
 }
 
 /* Range of a x + rest[.] . b over the piece, a being linear. */
 static ep_range linear_range(const ep_fit *f, const double a[2], const double b[4])
 {
-    const ep_kind *kind = f->kind;
-    const unsigned m = ep_rest_m(f), n = ep_rest_n(f);
     double low[6] = {0, a[0], a[1], 0, 0, 0}, high = 0;
-    for (unsigned j = 0; j <= n; ++j)
-        for (unsigned i = 0; i <= m; ++i) {
-            const size_t at = kind->index(m, n, i, j);
-            if (at == SIZE_MAX) continue;
-            const double *r = f->rest[at], x = b[0] * r[0] + b[1] * r[1] + b[2] * r[2] + b[3] * r[3];
-            static const int place[3][3] = {{0, 1, 3}, {2, 4}, {5}};
-            if (i + j <= 2) low[place[j][i]] += x;
-            else high += fabs(x) * f->monomial[at];
-        }
-    return widen(kind->quadratic(low), high);
+    for (int k = 0; k < 6; ++k)
+        if (f->low[k] != SIZE_MAX)
+            for (int c = 0; c < 4; ++c) low[k] += b[c] * f->rest[f->low[k]][c];
+    for (size_t k = 0; k < f->terms; ++k) {
+        const double *r = f->rest[k];
+        high += fabs(b[0] * r[0] + b[1] * r[1] + b[2] * r[2] + b[3] * r[3]) * f->high[k];
+    }
+    return widen(f->kind->quadratic(low), high);
 }
 
 static bounds series_bounds(const ep_fit *f, int c)
 {
-    const ep_kind *kind = f->kind;
-    const unsigned m = ep_rest_m(f), n = ep_rest_n(f);
-    const double none[2] = {0, 0}, pick[4] = {c == 0, c == 1, c == 2, c == 3};
-    double at_middle[5] = {0}, spread[5] = {0}; /* s, t, ss, st, tt */
-    for (unsigned j = 0; j <= n; ++j)
-        for (unsigned i = 0; i <= m; ++i) {
-            const size_t at = kind->index(m, n, i, j);
-            if (at == SIZE_MAX) continue;
-            const double x = f->rest[at][c];
-            const unsigned di[5] = {1, 0, 2, 1, 0}, dj[5] = {0, 1, 0, 1, 2};
-            const double factor[5] = {i, j, i * (i - 1.0), i * (double)j, j * (j - 1.0)};
-            for (int k = 0; k < 5; ++k) {
-                if (i < di[k] || j < dj[k]) continue;
-                if (i == di[k] && j == dj[k]) at_middle[k] = factor[k] * x;
-                else spread[k] += factor[k] * fabs(x) * ep_monomial(f, i - di[k], j - dj[k]);
-            }
-        }
-    return (bounds){linear_range(f, none, pick),    about(at_middle[0], spread[0]), about(at_middle[1], spread[1]),
-                    about(at_middle[2], spread[2]), about(at_middle[3], spread[3]), about(at_middle[4], spread[4])};
+    double low[6], high = 0, spread[5] = {0};
+    for (int k = 0; k < 6; ++k) low[k] = f->low[k] != SIZE_MAX ? f->rest[f->low[k]][c] : 0;
+    for (size_t k = 0; k < f->terms; ++k) {
+        const double x = fabs(f->rest[k][c]);
+        high += x * f->high[k];
+        for (int d = 0; d < 5; ++d) spread[d] += x * f->spread[k][d];
+    }
+    return (bounds){widen(f->kind->quadratic(low), high), about(low[1], spread[0]), about(low[2], spread[1]),
+                    about(2 * low[3], spread[2]),         about(low[4], spread[3]), about(2 * low[5], spread[4])};
 }
 
 /* What W does to a quotient. */
@@ -173,12 +162,10 @@ static void level(ep_fit *f)
         const size_t at = f->kind->index(ep_rest_m(f), ep_rest_n(f), 3 - j, j);
         if (at != SIZE_MAX) cubic[j] = f->rest[at][2];
     }
-    for (unsigned j = 0; j <= 2; ++j) {
-        const size_t at = f->kind->index(ep_rest_m(f), ep_rest_n(f), 2 - j, j);
-        for (int c = 0; c < 3 && at != SIZE_MAX; ++c) quadratic[c][j] = f->rest[at][c];
-    }
+    for (unsigned j = 0; j <= 2; ++j)
+        for (int c = 0; c < 3 && f->low[3 + j] != SIZE_MAX; ++c) quadratic[c][j] = f->rest[f->low[3 + j]][c];
     if (f->raised)
-        for (unsigned j = 0; j <= 1; ++j) weight[j] = f->rest[f->kind->index(ep_rest_m(f), ep_rest_n(f), 1 - j, j)][3];
+        for (unsigned j = 0; j <= 1; ++j) weight[j] = f->rest[f->low[1 + j]][3];
     const double *h = quadratic[2];
     const double by[3][2] = {{2 * h[0], h[1]}, {h[1], 2 * h[2]}, {weight[0], weight[1]}};
     for (int c = 0; c < 3; ++c)
@@ -191,11 +178,12 @@ static void level(ep_fit *f)
 }
 
 /* A piece without a frame is a box around its control points. */
-static void irregular(const ep_patch *p, const ep_point *local, const ep_domain *d, ep_fit *f)
+static void irregular(const ep_domain *d, ep_fit *f)
 {
+    const ep_patch *p = f->patch;
     ep_leaf *leaf = &f->leaf;
     const size_t count = f->kind->point_count(f->m, f->n);
-    f->kind->restrict_to(local, f->m, f->n, d, f->series);
+    f->kind->restrict_to(f->local, f->m, f->n, d, f->series);
     for (int c = 0; c < 3; ++c) {
         f->lower[c] = INFINITY, f->upper[c] = -INFINITY;
         for (size_t k = 0; k < count; ++k) {
@@ -214,32 +202,56 @@ static void irregular(const ep_patch *p, const ep_point *local, const ep_domain 
     f->error = 0;
 }
 
-void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, ep_fit *f)
+void ep_leaf_begin(const ep_patch *p, ep_fit *f)
 {
     const ep_kind *kind = &ep_kinds[p->kind];
-    ep_leaf *leaf = &f->leaf;
+    f->patch = p;
     f->kind = kind;
     f->m = p->degree_u;
     f->n = p->degree_v;
+    f->raised = p->rational;
+    ep_patch_local(p, f->local);
+    const unsigned m = ep_rest_m(f), n = ep_rest_n(f);
+    f->terms = kind->point_count(m, n);
+    for (unsigned j = 0, k = 0; j <= 2; ++j)
+        for (unsigned i = 0; i + j <= 2; ++i, ++k) {
+            static const unsigned place[6] = {0, 1, 3, 2, 4, 5};
+            f->low[place[k]] = kind->index(m, n, i, j);
+        }
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= m; ++i) {
+            const size_t at = kind->index(m, n, i, j);
+            if (at == SIZE_MAX) continue;
+            f->monomial[at] = kind->monomial(i, j);
+            f->high[at] = i + j > 2 ? f->monomial[at] : 0;
+            const unsigned di[5] = {1, 0, 2, 1, 0}, dj[5] = {0, 1, 0, 1, 2};
+            const double factor[5] = {i, j, i * (i - 1.0), i * (double)j, j * (j - 1.0)};
+            for (int d = 0; d < 5; ++d)
+                f->spread[at][d] = i < di[d] || j < dj[d] || (i == di[d] && j == dj[d])
+                                       ? 0
+                                       : factor[d] * kind->monomial(i - di[d], j - dj[d]);
+        }
+}
+
+void ep_leaf_fit(const ep_domain *d, ep_fit *f)
+{
+    const ep_patch *p = f->patch;
+    const ep_kind *kind = f->kind;
+    ep_leaf *leaf = &f->leaf;
     memset(leaf, 0, sizeof *leaf);
     leaf->rational = p->rational != 0;
     f->area = d->uu * d->vv - d->uv * d->vu;
-    f->raised = p->rational;
     leaf->domain[0] = (float)d->u0, leaf->domain[1] = (float)d->v0;
     leaf->domain[2] = (float)d->uu, leaf->domain[3] = (float)d->vv;
     leaf->domain[4] = (float)d->uv, leaf->domain[5] = (float)d->vu;
-    for (unsigned j = 0; j <= ep_rest_n(f); ++j)
-        for (unsigned i = 0; i <= ep_rest_m(f); ++i) {
-            const size_t at = kind->index(ep_rest_m(f), ep_rest_n(f), i, j);
-            if (at != SIZE_MAX) f->monomial[at] = kind->monomial(i, j);
-        }
 
     ep_point q[EP_NET_POINTS];
-    kind->series(local, f->m, f->n, d, q);
+    kind->series(f->local, f->m, f->n, d, q);
     const size_t count = kind->point_count(f->m, f->n), s = kind->index(f->m, f->n, 1, 0),
                  t = kind->index(f->m, f->n, 0, 1);
     const double w0 = q[0][3], side = fmax(fabs(d->uu) + fabs(d->uv), fabs(d->vu) + fabs(d->vv));
-    f->loss = 16 * EP_EPS_D * (f->m + f->n) * pow(1 + side, f->m + f->n); /* of binomials times powers of the side */
+    f->loss =
+        16 * EP_EPS_D * (f->m + f->n) * ep_power(1 + side, f->m + f->n); /* of binomials times powers of the side */
     for (size_t k = 0; k < count; ++k)
         for (int c = 0; c < 4; ++c) q[k][c] /= w0;
     const ep_vec3 at = ep_v3(q[0][0], q[0][1], q[0][2]);
@@ -248,7 +260,7 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, e
     f->turn[0] = ep_length(ds);
     f->turn[1] = ep_length(dt);
     if (!tangent_frame(ds, dt, f)) {
-        irregular(p, local, d, f);
+        irregular(d, f);
         return;
     }
     change_coordinates(f, q, at);
@@ -270,9 +282,9 @@ void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, e
 
     leaf->bend_st = leaf->warp_st = 0;
     for (int c = 0; c < 3; ++c) {
-        leaf->second[0][c] = (float)ep_mid(b[c].dss);
-        leaf->second[1][c] = (float)ep_mid(b[c].dst);
-        leaf->second[2][c] = (float)ep_mid(b[c].dtt);
+        leaf->half[0][c] = (float)(0.5 * ep_mid(b[c].dss));
+        leaf->half[1][c] = (float)(0.5 * ep_mid(b[c].dst));
+        leaf->half[2][c] = (float)(0.5 * ep_mid(b[c].dtt));
         float *bend = c < 2 ? &leaf->bend_st : &leaf->bend_h, *warp = c < 2 ? &leaf->warp_st : &leaf->warp_h;
         *bend = fmaxf(*bend, ep_round_up(ep_mag(b[c].dss) + 2 * ep_mag(b[c].dst) + ep_mag(b[c].dtt)));
         *warp = fmaxf(*warp, ep_round_up(ep_half(b[c].dss) + 2 * ep_half(b[c].dst) + ep_half(b[c].dtt) +

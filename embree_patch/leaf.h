@@ -64,7 +64,7 @@ typedef struct ep_leaf {
     float side;                        /* how far the prism reaches beyond the domain                                */
     float reach_st, reach_h;           /* rounding of M per unit of way, measured as |t| |d| in the sum norm          */
     float middle;                      /* the graph's height over the middle of D, in the model                      */
-    float second[3][3];                /* r_ss, r_st, r_tt at the middle, each for s, t, h: the model of r           */
+    float half[3][3];                  /* half of r_ss, r_st, r_tt at the middle, each for s, t, h: the model of r   */
     float graph, foot;                 /* how far the model may be off: heights over feet, and where a foot belongs   */
     float bend_st, bend_h;             /* Lipschitz constants of the derivatives of (r_s, r_t), r_h                   */
     float warp_st, warp_h;             /* the same for r minus the model                                             */
@@ -106,15 +106,22 @@ typedef struct ep_fit {
     double loss;       /* rounding of its series, in double, relative to the patch                                 */
     double error;      /* the leaf's noise in scene units                                                          */
     size_t net_floats; /* what ep_leaf_pack will write                                                             */
-    const ep_kind *kind;
-    unsigned m, n;     /* degrees of the patch                                                                    */
-    unsigned raised;   /* those of `rest` are higher by this                                                      */
     double area;       /* of the part of the domain, in parameters; negative where it stands on its head            */
     double weight_low; /* no weight is below it, the middle's being one */
     ep_vec3 row[3], column[3];      /* M as rounded, and its inverse                 */
     ep_point series[EP_NET_POINTS]; /* M S w and w in powers of s and t */
     ep_point rest[EP_NET_POINTS];   /* r w and w                        */
-    double monomial[EP_NET_POINTS];
+    /* Of the patch, from ep_leaf_begin. */
+    const ep_patch *patch;
+    const ep_kind *kind;
+    unsigned m, n;                   /* its degrees                                                           */
+    unsigned raised;                 /* those of `rest` are higher by this                                    */
+    ep_point local[EP_NET_POINTS];   /* ep_patch_local                                                        */
+    size_t terms;                    /* of `rest`                                                             */
+    size_t low[6];                   /* where those of 1, s, t, s², st, t² are, SIZE_MAX for none             */
+    double monomial[EP_NET_POINTS];  /* how much a term may be, its coefficient being one                     */
+    double high[EP_NET_POINTS];      /* ... those that are not in `low`                                       */
+    double spread[EP_NET_POINTS][5]; /* how much its derivatives by s, t, ss, st, tt may be, but in the middle */
 } ep_fit;
 
 /* Degree of the series of r W. */
@@ -132,12 +139,14 @@ static inline double ep_monomial(const ep_fit *f, unsigned i, unsigned j)
     return f->monomial[f->kind->index(ep_rest_m(f), ep_rest_n(f), i, j)];
 }
 
-/* Fits frame and prism to the part `d` of a patch: all that says whether the piece is to be a leaf. `local` is the
- * patch's net relative to its centre (ep_patch_local). */
-void ep_leaf_fit(const ep_patch *p, const ep_point *local, const ep_domain *d, ep_fit *fit);
+/* Prepares for the pieces of a patch, which has to stay. */
+void ep_leaf_begin(const ep_patch *p, ep_fit *fit);
+
+/* Fits frame and prism to the part `d` of the patch: all that says whether the piece is to be a leaf. */
+void ep_leaf_fit(const ep_domain *d, ep_fit *fit);
 
 /* The rest of the certificate, for a piece that is kept; all but leaf.patch, leaf.net and leaf.trim is there then. */
-void ep_leaf_certify(const ep_patch *p, ep_fit *fit);
+void ep_leaf_certify(ep_fit *fit);
 
 /* Writes the coefficients of a fitted leaf. */
 void ep_leaf_pack(const ep_fit *fit, float *net);

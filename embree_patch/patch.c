@@ -9,7 +9,7 @@ static ep_range sum(ep_range a, ep_range b)
 }
 static ep_range common(ep_range a, ep_range b)
 {
-    return (ep_range){fmax(a.lo, b.lo), fmin(a.hi, b.hi)};
+    return (ep_range){a.lo > b.lo ? a.lo : b.lo, a.hi < b.hi ? a.hi : b.hi};
 }
 static ep_range times(double c, double lo, double hi)
 {
@@ -18,7 +18,7 @@ static ep_range times(double c, double lo, double hi)
 static ep_range hull(const double *b, int n)
 {
     ep_range r = {b[0], b[0]};
-    for (int i = 1; i < n; ++i) r = (ep_range){fmin(r.lo, b[i]), fmax(r.hi, b[i])};
+    for (int i = 1; i < n; ++i) ep_include(&r, b[i]);
     return r;
 }
 
@@ -72,16 +72,9 @@ static ep_range tensor_quadratic(const double c[6])
     return common(r, hull(b, 9));
 }
 
-static double power(double x, unsigned n)
-{
-    double r = 1;
-    for (; n; --n) r *= x;
-    return r;
-}
-
 static double tensor_monomial(unsigned i, unsigned j)
 {
-    return power(0.5, i + j);
+    return ep_power(0.5, i + j);
 }
 
 /* Triangles: leaf coordinates with corners (-1/3, -1/3), (2/3, -1/3), (-1/3, 2/3). */
@@ -151,7 +144,7 @@ static ep_range tri_quadratic(const double c[6])
 /* Where |s| > 1/3, t is within 1/3 of zero, and the other way round. */
 static double tri_monomial(unsigned i, unsigned j)
 {
-    return power(2.0 / 3, i > j ? i : j) * power(1.0 / 3, i > j ? j : i);
+    return ep_power(2.0 / 3, i > j ? i : j) * ep_power(1.0 / 3, i > j ? j : i);
 }
 
 const ep_kind ep_kinds[2] = {
@@ -183,23 +176,24 @@ const ep_kind ep_kinds[2] = {
                           {1.0 / 3, -0.1096, 0.0848}},
 };
 
-static ep_vec3 quotient(const ep_point n, double w)
+static ep_vec3 quotient(const ep_point n, double inverse)
 {
-    return ep_v3(n[0] / w, n[1] / w, n[2] / w);
+    return ep_v3(n[0] * inverse, n[1] * inverse, n[2] * inverse);
 }
 
-/* N = w P, so N' = w'P + wP' and N'' = w''P + 2w'P' + wP'', solved for the derivatives of P. */
+/* N = w P, so N' = w'P + wP' and N'' = w''P + 2w'P' + wP'', solved for the derivatives of P; w: the weight's inverse.
+ */
 ep_frame ep_project(const ep_jet *jet)
 {
-    const double w = jet->p[3], wu = jet->pu[3] / w, wv = jet->pv[3] / w;
+    const double w = 1 / jet->p[3], wu = jet->pu[3] * w, wv = jet->pv[3] * w;
     ep_frame f;
     f.p = quotient(jet->p, w);
     f.pu = ep_sub(quotient(jet->pu, w), ep_scale(wu, f.p));
     f.pv = ep_sub(quotient(jet->pv, w), ep_scale(wv, f.p));
-    f.puu = ep_sub(quotient(jet->puu, w), ep_add(ep_scale(jet->puu[3] / w, f.p), ep_scale(2 * wu, f.pu)));
+    f.puu = ep_sub(quotient(jet->puu, w), ep_add(ep_scale(jet->puu[3] * w, f.p), ep_scale(2 * wu, f.pu)));
     f.puv = ep_sub(quotient(jet->puv, w),
-                   ep_add(ep_scale(jet->puv[3] / w, f.p), ep_add(ep_scale(wu, f.pv), ep_scale(wv, f.pu))));
-    f.pvv = ep_sub(quotient(jet->pvv, w), ep_add(ep_scale(jet->pvv[3] / w, f.p), ep_scale(2 * wv, f.pv)));
+                   ep_add(ep_scale(jet->puv[3] * w, f.p), ep_add(ep_scale(wu, f.pv), ep_scale(wv, f.pu))));
+    f.pvv = ep_sub(quotient(jet->pvv, w), ep_add(ep_scale(jet->pvv[3] * w, f.p), ep_scale(2 * wv, f.pv)));
     return f;
 }
 

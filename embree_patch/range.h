@@ -29,7 +29,7 @@ static inline double ep_half(ep_range r)
 /* The largest magnitude in a range. */
 static inline double ep_mag(ep_range r)
 {
-    return fmax(-r.lo, r.hi);
+    return -r.lo > r.hi ? -r.lo : r.hi;
 }
 
 #endif

@@ -23,12 +23,11 @@ static size_t first_leaf(const ep_hierarchy *h, size_t patch)
 static void refit_patch(const void *hierarchy, const ep_patch *p, uint32_t index, ep_fit *fit, ep_list *l)
 {
     const ep_hierarchy *old = hierarchy;
-    ep_point local[EP_NET_POINTS];
-    ep_patch_local(p, local);
+    ep_leaf_begin(p, fit);
     for (size_t i = first_leaf(old, index); i < old->leaf_count && old->leaves[i].patch == index; ++i) {
         const ep_domain d = ep_domain_of(old, i);
-        ep_leaf_fit(p, local, &d, fit);
-        ep_leaf_certify(p, fit);
+        ep_leaf_fit(&d, fit);
+        ep_leaf_certify(fit);
         ep_list_add(l, fit, &d, index, old->leaves[i].trim, 0);
         if (l->status != EP_OK) return;
     }

@@ -69,15 +69,15 @@ static double blossom(const double c[4], const double x[2], const double y[2], c
 }
 
 /* Includes l k + c k³, 0 <= k <= 1, for the l in `linear` and the c in `both` less `linear`: at k = 1 that is what is
- * in `both`; before, it may have been (2/3) l sqrt(l / 3|c|), where c is opposite to l. */
+ * in `both`; before, it may have been (2/3) l sqrt(l / 3|c|), where c is opposite to l, but not more than l. */
 static void include_line(ep_range *r, ep_range linear, ep_range both)
 {
     ep_include(r, both.lo);
     ep_include(r, both.hi);
-    const double up = fmax(linear.hi, 0), down = fmax(-linear.lo, 0);
-    const double against_up = fmax(linear.lo - both.hi, 0), against_down = fmax(both.lo - linear.hi, 0);
-    ep_include(r, fmin(up, 2 * up / 3 * sqrt(up / (3 * against_up))));
-    ep_include(r, -fmin(down, 2 * down / 3 * sqrt(down / (3 * against_down))));
+    const double up = linear.hi, against_up = linear.lo - both.hi;
+    if (up > 0) ep_include(r, 27 * against_up > 4 * up ? 2 * up / 3 * sqrt(up / (3 * against_up)) : up);
+    const double down = -linear.lo, against_down = both.lo - linear.hi;
+    if (down > 0) ep_include(r, 27 * against_down > 4 * down ? -2 * down / 3 * sqrt(down / (3 * against_down)) : -down);
 }
 
 /* `b`: Bernstein coefficients of the cubic terms on a part of the border; `l`: the linear ones at its ends. */

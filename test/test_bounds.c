@@ -62,7 +62,7 @@ static const char *const names[BOUNDS] = {"side",   "height", "bend_st", "bend_h
 /* H x y for the second derivatives of coordinate c. */
 static double form(const ep_leaf *leaf, int c, const double x[2], const double y[2])
 {
-    const double ss = (double)leaf->second[0][c], st = (double)leaf->second[1][c], tt = (double)leaf->second[2][c];
+    const double ss = 2.0 * leaf->half[0][c], st = 2.0 * leaf->half[1][c], tt = 2.0 * leaf->half[2][c];
     return ss * x[0] * y[0] + st * (x[0] * y[1] + x[1] * y[0]) + tt * x[1] * y[1];
 }
 
@@ -72,7 +72,7 @@ static void measure(const ep_leaf *leaf, const remainder_at *e, const double x[2
     const double ds = x[0] - y[0], dt = x[1] - y[1], apart = fmax(fabs(ds), fabs(dt));
     for (int k = 0; k < BOUNDS; ++k) found[k] = 0;
     for (int c = 0; c < 3; ++c) {
-        const double ss = leaf->second[0][c], st = leaf->second[1][c], tt = leaf->second[2][c];
+        const double ss = 2.0 * leaf->half[0][c], st = 2.0 * leaf->half[1][c], tt = 2.0 * leaf->half[2][c];
         const double a = e->rs[c] - f->rs[c], b = e->rt[c] - f->rt[c];
         const double bend = (fabs(a) + fabs(b)) / apart;
         const double warp = (fabs(a - ss * ds - st * dt) + fabs(b - st * ds - tt * dt)) / apart;

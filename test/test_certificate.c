@@ -40,7 +40,7 @@ typedef struct root {
 } root;
 
 typedef struct tally {
-    uint64_t rays, roots, none, hit, vague, slow, cells, cell_hit, cell_open;
+    uint64_t rays, roots, none, hit, vague, slow, tangent_hit, tangent_open, cells, cell_hit, cell_open;
     double place, t, normal; /* the largest errors, in units of what is promised */
 } tally;
 
@@ -260,6 +260,32 @@ static void check_single(const visit *v, const root *roots, size_t count, tally 
         const found f = is_root(v, &k2, hit2, o.vague, accuracy_at(v, &roots[i], way), &roots[i]);
         CHECK(f != ANOTHER, "%s: another is certified to be the only one, at %.9g%s", describe(v, &roots[i]), k,
               o.vague ? ", vague" : "");
+    }
+}
+
+/* What the tangent kernel says of any ray: each hit is a root, and all roots are among them. */
+static void check_tangent(const visit *v, const root *roots, size_t count, tally *tally)
+{
+    float k[2][EP_PACKET], hits[2][5 * EP_PACKET];
+    ep_roots out = {.t = {k[0], k[1]}, .hits = {hits[0], hits[1]}};
+    v->kernels->tangent[v->piece.leaf->shape](v->piece.leaf, v->net, v->ray, 1, 1, &out);
+    tally->tangent_open += out.open;
+    if (out.open) return;
+    for (unsigned slot = 0; slot < 2; ++slot) {
+        tally->tangent_hit += out.hit[slot];
+        if (out.hit[slot] && !out.vague[slot])
+            check_hit(v, k[slot][0], hits[slot], out.radius[slot][0], way_of(v), tally);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        bool answered = false;
+        for (unsigned slot = 0; slot < 2; ++slot) {
+            if (!out.hit[slot]) continue;
+            float t = k[slot][0], hit[5];
+            memcpy(hit, hits[slot], sizeof hit);
+            answered |= is_root(v, &t, hit, out.vague[slot], out.radius[slot][0], &roots[i]) != ANOTHER;
+        }
+        CHECK(answered, "%s: not among the %u that a tangent ray is certified to have", describe(v, &roots[i]),
+              out.hit[0] + out.hit[1]);
     }
 }
 
@@ -488,6 +514,7 @@ static void check_patch(uint64_t index, family family, tally *tally)
         if (!count) continue;
         float from[EP_PACKET / EP_CELLS], to[EP_PACKET / EP_CELLS];
         check_single(&v, roots, count, tally);
+        check_tangent(&v, roots, count, tally);
         choose_cells(&v, &r, &roots[rng_below(&r, (unsigned)count)], from, to);
         check_cells(&v, roots, count, from, to, tally);
     }
@@ -500,9 +527,11 @@ static void check_patches(family family, uint64_t rays)
     for (uint64_t k = 0; k < rays / RAYS_OF_PATCH; k += TEST_STEP) check_patch(k, family, &t);
     print_message("%.0f rays, %.0f roots; none %.0f, hit %.0f, vague %.0f, slow %.0f\n", (double)t.rays,
                   (double)t.roots, (double)t.none, (double)t.hit, (double)t.vague, (double)t.slow);
+    print_message("tangent kernel: hit %.0f, open %.0f\n", (double)t.tangent_hit, (double)t.tangent_open);
     print_message("%.0f cells, hit %.0f, open %.0f; errors of what is promised: place %.2g, t %.2g, normal %.2g\n",
                   (double)t.cells, (double)t.cell_hit, (double)t.cell_open, t.place, t.t, t.normal);
-    assert_true(t.roots > t.rays / 2 && t.hit > t.roots / 10 && t.cell_hit > t.roots / 3);
+    assert_true(t.roots > t.rays / 2 && t.hit > t.roots / 10 && t.tangent_hit > t.roots / 10 &&
+                t.cell_hit > t.roots / 3);
 }
 
 static void powers(void **state)

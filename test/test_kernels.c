@@ -95,6 +95,43 @@ static void same(const answer *a, const answer *b, unsigned n, uint32_t active, 
     }
 }
 
+typedef struct tangents {
+    ep_roots o;
+    float t[2][EP_PACKET], hits[2][5 * EP_PACKET];
+} tangents;
+
+static tangents run_tangents(const ep_kernels *kernels, const ep_leaf *leaf, const float *net, const test_packet *rays,
+                             unsigned n, uint32_t active)
+{
+    tangents a;
+    memset(&a, 0, sizeof a);
+    for (int s = 0; s < 2; ++s) a.o.t[s] = a.t[s], a.o.hits[s] = a.hits[s];
+    kernels->tangent[leaf->shape](leaf, net, rays->f, n, active, &a.o);
+    return a;
+}
+
+/* Lane i of n in one answer, and lane j of m in the other. */
+static void same_tangent(const tangents *a, unsigned i, unsigned n, const tangents *b, unsigned j, unsigned m,
+                         const char *isa, const char *where)
+{
+    CHECK((a->o.open >> i & 1) == (b->o.open >> j & 1), "%s: %s: lane %u: open", where, isa, i);
+    for (int s = 0; s < 2; ++s) {
+        CHECK((a->o.hit[s] >> i & 1) == (b->o.hit[s] >> j & 1) && (a->o.vague[s] >> i & 1) == (b->o.vague[s] >> j & 1),
+              "%s: %s: lane %u: hit %d", where, isa, i, s);
+        if (!(a->o.hit[s] >> i & 1)) continue;
+        CHECK(!memcmp(&a->t[s][i], &b->t[s][j], 4) && !memcmp(&a->o.radius[s][i], &b->o.radius[s][j], 4),
+              "%s: %s: lane %u: t %a and %a", where, isa, i, a->t[s][i], b->t[s][j]);
+        for (unsigned f = 0; f < 5; ++f)
+            CHECK(!memcmp(&a->hits[s][f * n + i], &b->hits[s][f * m + j], 4), "%s: %s: lane %u, field %u", where, isa,
+                  i, f);
+    }
+}
+
+static void same_tangents(const tangents *a, const tangents *b, unsigned n, const char *isa, const char *where)
+{
+    for (unsigned i = 0; i < n; ++i) same_tangent(a, i, n, b, i, n, isa, where);
+}
+
 /* Degrees whose shape is `special` of 0..4, where 0 is what has no kernel of its own. */
 static void shape_patch(rng *r, bool triangle, bool rational, unsigned special, test_patch *p)
 {
@@ -158,6 +195,52 @@ static void same_bits(void **state)
     for (unsigned shape = 0; shape < EP_SHAPES; ++shape) CHECK(seen[shape], "no leaf of shape %u", shape);
     /* kernels that answer nothing must not pass */
     CHECK(hits > lanes / 20 && slow < lanes / 2, "%zu lanes, %zu hits, %zu slow", lanes, hits, slow);
+}
+
+/* Nearly tangent rays, in packets and alone. */
+static void same_bits_of_tangents(void **state)
+{
+    (void)state;
+    size_t lanes = 0, hits[2] = {0, 0};
+    for (unsigned shape = 0; shape < EP_SHAPES; ++shape)
+        for (uint64_t k = 0; k < 20; ++k) {
+            rng r = rng_split(3, shape, k);
+            oracle *o;
+            EPGeometry g = shape_geometry(&r, shape, &o);
+            for (int i = 0; i < 30; ++i) {
+                static const unsigned widths[] = {4, 8, 16};
+                const unsigned n = widths[rng_below(&r, 3)];
+                const ep_leaf *leaf = &g->hierarchy.leaves[rng_below(&r, (unsigned)g->hierarchy.leaf_count)];
+                const float *net = g->hierarchy.nets + leaf->net;
+                if (!(leaf->height < INFINITY)) continue;
+                test_packet rays;
+                for (unsigned lane = 0; lane < n; ++lane) {
+                    float org[3], dir[3];
+                    aim(o, rng_below(&r, 4) ? AIM_GRAZING : AIM_INSIDE, &r, org, dir);
+                    set_ray(&rays, n, lane, org, dir, 0, INFINITY);
+                }
+                const uint32_t active = (uint32_t)rng_bits(&r) & ((1u << n) - 1);
+                const tangents want = run_tangents(&ep_kernels_plain, leaf, net, &rays, n, active);
+                char where[80];
+                snprintf(where, sizeof where, "shape %u, patch %d, packet %d of %u", shape, (int)k, i, n);
+                for (const char *const *isa = epGetInstructionSets(); *isa; ++isa) {
+                    const ep_kernels *kernels = ep_find_kernels(*isa);
+                    const tangents many = run_tangents(kernels, leaf, net, &rays, n, active);
+                    same_tangents(&want, &many, n, *isa, where);
+                    for (unsigned lane = 0; lane < n; ++lane) {
+                        test_packet one;
+                        for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) one.f[f] = rays.f[f * n + lane];
+                        const tangents single = run_tangents(kernels, leaf, net, &one, 1, active >> lane & 1);
+                        same_tangent(&want, lane, n, &single, 0, 1, *isa, where);
+                    }
+                }
+                lanes += (unsigned)__builtin_popcount(active & ~want.o.open);
+                for (int s = 0; s < 2; ++s) hits[s] += (unsigned)__builtin_popcount(want.o.hit[s] & ~want.o.open);
+            }
+            oracle_free(o);
+            epReleaseGeometry(g);
+        }
+    CHECK(hits[0] > lanes / 10 && hits[1] > lanes / 100, "%zu lanes, %zu and %zu hits", lanes, hits[0], hits[1]);
 }
 
 /* The cells of nearly tangent rays. */
@@ -229,6 +312,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(same_bits),
+        cmocka_unit_test(same_bits_of_tangents),
         cmocka_unit_test(same_bits_of_cells),
         cmocka_unit_test(names),
     };

@@ -2,10 +2,10 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * Newton from the leaf's plane covers all of a ray's way through the prism at once; near tangency that is too long for
- * the certificate, and there may be two roots. Here the way is cut into EP_CELLS, with the origin moved to the middle
- * of each, and the certificate holds, or fails, for each on its own; where the ray is tangent, fold_tmpl.h shrinks what
- * is left. Four rays at a time with sixteen lanes; a ray always gets the same cells, whoever else is in the packet.
+ * Where the tangent kernel has not decided, in coarse leaves and where there are more than two roots, the ray's way
+ * through the prism is cut into EP_CELLS, with the origin moved to the middle of each, and the certificate holds, or
+ * fails, for each on its own; fold_tmpl.h shrinks what is left. Four rays at a time with sixteen lanes; a ray always
+ * gets the same cells, whoever else is in the packet.
  *
  * Where the ray is in s, t, the root is r_st(x*) away, and r_st(y) is known once S(y) is. With |Dr_st| <= stretch over
  * D and any y in D,
@@ -43,7 +43,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
                        unsigned n, int rational)
 {
     const float stretch = (float)leaf->stretch / EP_STRETCH + leaf->noise_st;
-    const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f);
+    const w_f one = w_set(1.0f), half = w_set(0.5f);
     out->hit = out->vague = out->more = out->open = out->hopeless = 0;
     for (unsigned first = 0, base = 0; first < count; first += EP_CELL_RAYS, base += EP_LANES) {
         unsigned lane[EP_CELL_RAYS];
@@ -95,15 +95,14 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         out->hopeless |= w_bits(w_andnot(steep, missed)) << base;
         v.live = w_andnot(w_andnot(w_mask(all), steep), beside);
         v.slow = w_mask(0);
-        v.more = w_mask(0);
-        v.other_s = v.other_t = v.other_radius = zero;
+        w_stack wait = w_empty();
 
         /* the model says where S_st is o */
         const w_f u[2] = {v.o.x, v.o.y};
         w_f at[2];
         for (int c = 0; c < 2; ++c) {
-            const w_f second[3] = {w_set(leaf->second[0][c]), w_set(leaf->second[1][c]), w_set(leaf->second[2][c])};
-            at[c] = w_fnma(half, w_form(second, u, u), u[c]);
+            const w_f form[3] = {w_set(leaf->half[0][c]), w_set(leaf->half[1][c]), w_set(leaf->half[2][c])};
+            at[c] = u[c] - w_form(form, u, u);
         }
         v.s = at[0];
         v.t = at[1];
@@ -116,13 +115,15 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         /* advance would not decide: the whole leaf's certificate has not */
         const w_m fresh = v.live;
         v.live = w_mask(0);
-        w_fold(leaf, &v, triangle, &jet, height, fresh);
+        const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
+        w_fold(leaf, &v, &wait, triangle, &here, &jet, height, fresh);
         uint32_t live = w_bits(v.live), hit = 0;
         while (live) {
             jet = w_jet_at(net, &v, triangle, m, n, rational);
+            const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
             const w_step step = w_advance(leaf, &v, triangle, &jet);
-            if (w_bits(step.stuck)) w_fold(leaf, &v, triangle, &jet, height, step.stuck);
-            const w_f t = middle + (cell + step.distance);
+            if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, height, step.stuck);
+            const w_f t = middle + w_fma(step.height, v.inverse, cell);
             const w_m found = w_and(step.hit, w_nearly(&step, middle, t, tnear, tfar));
             const uint32_t bits = w_bits(found);
             if (bits) {
@@ -132,11 +133,11 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
                 w_store(out->radius + base, bits, step.radius);
                 w_put_hit(leaf, triangle, &jet, &step, out->fields + base, EP_PACKET, bits);
             }
-            if (w_bits(v.more)) w_other(&v, w_mask(~hit));
+            w_next(&v, &wait, w_mask(~hit));
             live = w_bits(v.live);
         }
         out->hit |= hit << base;
-        out->more |= (w_bits(v.more) & hit) << base;
+        out->more |= (w_bits(wait.full[0]) & hit) << base;
         out->open |= w_bits(v.slow) << base;
     }
 }

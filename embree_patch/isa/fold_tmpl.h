@@ -9,21 +9,29 @@
  *
  *     A d = p tau - S_st(y) + o_st - H_st d²/2 - rho_st,      tau = S_h(y) - o_h + g d + H_h d²/2 + rho_h,
  *
- * |rho| <= warp e²/2 + noise. A is nearly I. So d = l + q with l = d0 + a tau, a = A^-1 p, d0 = -A^-1 (S - o)_st, and
- * |q| <= Q = |A^-1| (bend_st e²/2 + noise_st). Put into the second equation, with b = g A^-1 and K = H_h - b H_st,
+ * |rho| <= warp |d|²/2 + noise. Let tau0 be where the ray comes closest to y's foot, and tau = tau0 + x. A is nearly I.
+ * So d = l + q with l = d0 + a x, a = A^-1 p, d0 = -A^-1 f, f = (S - o)_st - p tau0, and |q| <= |A^-1| (bend_st |d|²/2
+ * + noise_st), which is Q for |d| = e. Put into the second equation, with b = g A^-1 and K = H_h - b H_st,
  *
- *     |c0 + c1 tau + c2 tau²/2| <= P,   c0 = (S - o)_h - b (S - o)_st + K d0²/2,  c1 = g a - 1 + K d0 a,  c2 = K a²,
- *     P = (warp_h + |b| warp_st) e²/2 + noise_h + |b| noise_st + (bend_h + |b| bend_st) Q (e + 3/2 Q),
+ *     |c0 + c1 x + c2 x²| <= N + W |d|²/2,
+ *     c0 = (S - o)_h - tau0 - b f + K d0²/2,  c1 = g a - 1 + K d0 a,  c2 = K a²/2,
+ *     W = warp_h + |b| warp_st + |K| |A^-1| bend_st (e + 3/2 Q),  N = noise_h + |b| noise_st + what noise_st does in W,
  *
- * because |l| <= e + Q. That is no tau at all, and the ray is certain to miss; one interval; or two, and then
+ * because K (d² - l²)/2 is K l q + K q²/2, and |l| <= |d| + |q|. And |d| is at most (|l| + |A^-1| noise_st) / (1 - z),
+ * z = |A^-1| bend_st e/2; so with W' = W/(1 - z)², from (k + l)² <= 5/4 k² + 5 l²,
  *
+ *     W |d|²/2 <= 5/8 W' |a|² x² + 5/2 W' (|d0| + |A^-1| noise_st)²,
+ *
+ * small where the ray is near y, as the quadratic equation itself: tangent and all but tangent rays are told apart at
+ * once. Where c2 is not much larger than 5/8 W' |a|², W e²/2 has to do. That is no x at all, and the ray is certain to
+ * miss; one interval; or two, and then, with x at an interval's middle and h half its length,
+ *
+ *     |d - l| <= |a| h + Q,   and with q2 = -A^-1 H_st l²/2
  *     |d - (l + q2)| <= |a| h (1 + |A^-1| bend_st (e + Q + |a| h/2))
- *                       + |A^-1| (warp_st e²/2 + noise_st + bend_st Q (e + 3/2 Q))
+ *                       + |A^-1| (warp_st e²/2 + noise_st + bend_st Q (e + 3/2 Q)),
  *
- * with tau, q2 = -A^-1 H_st l²/2 at the interval's middle, and h half its length: l there is within |a| h of the
- * root's. Or without q2 and by Q + |a| h, if that is less. Intervals end where l leaves the domain by more than Q, and
- * with the ray's cell. P goes with the cube of e as leaves go, h with P over the distance of the two roots:
- * neighbourhoods shrink faster than they would by bisection, even for a tangent ray, down to the noise. */
+ * for l there is within |a| h of the root's. Intervals end where l leaves the domain or the old neighbourhood by more
+ * than Q, and with the leaf or the ray's cell. */
 
 /* Bounds are computed in the arithmetic whose rounding they bound: this much is added. */
 #define EP_OUTWARD (1 + 0x1p-10f)
@@ -34,42 +42,72 @@ EP_INLINE w_f w_form(const w_f k[3], const w_f x[2], const w_f y[2])
     return w_fma(k[2], x[1] * y[1], w_fma(k[1], w_fma(x[0], y[1], x[1] * y[0]), k[0] * (x[0] * y[0])));
 }
 
-/* Narrows [*from, *to] to where x + k d <= limit. */
-EP_INLINE void w_clip_side(w_f x, w_f d, w_f limit, w_f *from, w_f *to)
+/* Narrows [*from, *to] to where x + k d is between `low` and `high`. */
+EP_INLINE void w_clip_slab(w_f x, w_f d, w_f low, w_f high, w_f *from, w_f *to)
 {
-    const w_f zero = w_set(0.0f), k = (limit - x) / d;
-    *to = w_select(w_lt(zero, d), w_min(k, *to), *to);
-    *from = w_select(w_lt(d, zero), w_max(k, *from), *from);
-    *to = w_select(w_and(w_le(w_abs(d), zero), w_lt(limit, x)), w_set(-INFINITY), *to);
+    /* not along it: what is divided by might be rounding, and all of the way is kept */
+    const w_m across = w_lt(w_set(0x1p-100f), w_abs(d));
+    const w_f inverse = w_set(1.0f) / d, a = (low - x) * inverse, b = (high - x) * inverse;
+    *from = w_select(across, w_max(w_min(a, b), *from), *from);
+    *to = w_select(across, w_min(w_max(a, b), *to), *to);
 }
 
 /* ... and to where (s + k ds, t + k dt) is within `margin` of the domain. */
 EP_INLINE void w_clip_domain(int triangle, w_f s, w_f t, w_f ds, w_f dt, w_f margin, w_f *from, w_f *to)
 {
     const w_f edge = w_set(triangle ? EP_THIRD : EP_HALF) + margin;
-    w_clip_side(-s, -ds, edge, from, to);
-    w_clip_side(-t, -dt, edge, from, to);
-    if (triangle) {
-        w_clip_side(s + t, ds + dt, edge + margin, from, to);
-    } else {
-        w_clip_side(s, ds, edge, from, to);
-        w_clip_side(t, dt, edge, from, to);
-    }
+    const w_f high = triangle ? edge + edge : edge;
+    w_clip_slab(s, ds, -edge, high, from, to);
+    w_clip_slab(t, dt, -edge, high, from, to);
+    if (triangle) w_clip_slab(s + t, ds + dt, -high, edge + margin, from, to);
 }
 
+/* Parts of a ray's way; `two`: from[1] to to[1] is another. */
+typedef struct w_parts {
+    w_f from[2], to[2];
+    w_m none, two;
+} w_parts;
+
+/* Where |c0 + c1 x + c2 x²| <= p + w x², w < |c2| or zero: c2 > 0 given, between the roots of c0 - p + c1 x + (c2 - w)
+ * x², but not between those of c0 + p + c1 x + (c2 + w) x². The parts in ascending order, or descending. */
+EP_INLINE w_parts w_quadratic(w_f c0, w_f c1, w_f c2, w_f p, w_f w, w_m descending)
+{
+    w_parts r;
+    const w_f zero = w_set(0.0f), one = w_set(1.0f), little = w_set(0x1p-20f);
+    const w_m falls = w_lt(c2, zero);
+    const w_f size = w_abs(c2), least = (size - w) + (size - w), most = (size + w) + (size + w);
+    c0 = w_select(falls, -c0, c0);
+    c1 = w_select(falls, -c1, c1);
+    const w_f outer = w_fnma(least + least, c0 - p, c1 * c1), inner = w_fnma(most + most, c0 + p, c1 * c1);
+    const w_f wide = w_sqrt(w_max(outer, zero)), narrow = w_sqrt(w_max(inner, zero)), c = w_abs(c1);
+    const w_f by_least = one / least, by_most = one / most;
+    const w_f inexact = little * ((wide + c) * by_least);
+    const w_f first = w_fnma(wide + c1, by_least, -inexact), last = w_fma(wide - c1, by_least, inexact);
+    const w_f gap = w_fma(-narrow - c1, by_most, inexact), end = w_fma(narrow - c1, by_most, -inexact);
+    r.none = w_lt(outer, zero);
+    r.two = w_lt(zero, inner);
+    const w_m turned = w_and(r.two, descending);
+    r.from[0] = w_select(turned, end, first);
+    r.to[0] = w_select(r.two, w_select(descending, last, gap), last);
+    r.from[1] = w_select(descending, first, end);
+    r.to[1] = w_select(descending, gap, last);
+    return r;
+}
+
+/* A neighbourhood. */
 typedef struct w_near {
     w_f s, t, radius;
     w_m none; /* certainly no root there */
 } w_near;
 
-/* What the neighbourhoods of both intervals share. */
+/* What the neighbourhoods of both parts share. */
 typedef struct w_folded {
     w_f s, t, e;                   /* the old neighbourhood     */
-    w_f from, to;                  /* all of tau                */
+    w_f from, to;                  /* all of the way            */
     w_f a[2], d0[2];               /* l                         */
-    w_f bend[2][3];                /* A^-1 H_st                 */
-    w_f curve;                     /* of q2: 1/2, or 0 where l alone is closer */
-    w_f per_square, per_tau, rest; /* radius = per_square h² + per_tau h + rest */
+    w_f bend[2][3];                /* A^-1 H_st / 2             */
+    w_f along, q;                  /* radius = along h + q about l ...                       */
+    w_f per_square, per_tau, rest; /* ... or per_square h² + per_tau h + rest about l + q2   */
 } w_folded;
 
 EP_INLINE w_near w_unfold(const w_folded *f, int triangle, w_f from, w_f to)
@@ -78,13 +116,15 @@ EP_INLINE w_near w_unfold(const w_folded *f, int triangle, w_f from, w_f to)
     const w_f half = w_set(0.5f);
     from = w_max(from, f->from);
     to = w_min(to, f->to);
-    const w_f tau = half * (from + to), h = w_fma(half, to - from, w_set(0x1p-20f) * (w_abs(from) + w_abs(to)));
-    const w_f l[2] = {w_fma(f->a[0], tau, f->d0[0]), w_fma(f->a[1], tau, f->d0[1])};
-    const w_f d_s = w_fnma(f->curve, w_form(f->bend[0], l, l), l[0]);
-    const w_f d_t = w_fnma(f->curve, w_form(f->bend[1], l, l), l[1]);
+    const w_f x = half * (from + to), h = w_fma(half, to - from, w_set(0x1p-20f) * (w_abs(from) + w_abs(to)));
+    const w_f l[2] = {w_fma(f->a[0], x, f->d0[0]), w_fma(f->a[1], x, f->d0[1])};
+    const w_f straight = w_fma(f->along, h, f->q), curved = w_fma(w_fma(f->per_square, h, f->per_tau), h, f->rest);
+    const w_m curve = w_lt(curved, straight);
+    const w_f d_s = w_select(curve, l[0] - w_form(f->bend[0], l, l), l[0]);
+    const w_f d_t = w_select(curve, l[1] - w_form(f->bend[1], l, l), l[1]);
     n.s = f->s + d_s;
     n.t = f->t + d_t;
-    n.radius = w_fma(w_fma(f->per_square, h, f->per_tau), h, f->rest);
+    n.radius = w_min(straight, curved);
     if (triangle) n.radius = n.radius + n.radius;
     n.none = w_or(w_lt(to, from), w_or(w_lt(n.radius, w_outside(triangle, n.s, n.t)),
                                        w_lt(f->e + n.radius, w_max(w_abs(d_s), w_abs(d_t)))));
@@ -92,109 +132,147 @@ EP_INLINE w_near w_unfold(const w_folded *f, int triangle, w_f from, w_f to)
     return n;
 }
 
-/* For the lanes in `stuck`, whose neighbourhood does not shrink and whose jet is `j`, and roots with |tau| <= `height`:
- * goes on with what is left of it, the nearer part along the ray first, the other in v->other. Lanes without any leave;
- * those that this does not help are slow. */
-EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, int triangle, const w_jet *j, w_f height, w_m stuck)
+/* Neighbourhoods that wait, the next one first. */
+#define EP_WAITING 2
+typedef struct w_stack {
+    w_f s[EP_WAITING], t[EP_WAITING], radius[EP_WAITING];
+    w_m full[EP_WAITING];
+} w_stack;
+
+EP_INLINE w_stack w_empty(void)
+{
+    w_stack wait;
+    for (int k = 0; k < EP_WAITING; ++k) {
+        wait.s[k] = wait.t[k] = wait.radius[k] = w_set(0.0f);
+        wait.full[k] = w_mask(0);
+    }
+    return wait;
+}
+
+/* The lanes in `open` go on with what is in `near`; where that is two neighbourhoods, with the first. Those that have
+ * no room for the second are slow. */
+EP_INLINE void w_go_on(w_visit *v, w_stack *wait, const w_near near[2], w_m open)
+{
+    const w_m two = w_andnot(w_andnot(open, near[0].none), near[1].none), over = w_and(two, wait->full[EP_WAITING - 1]);
+    const w_m on = w_andnot(open, over), push = w_andnot(two, over);
+    v->slow = w_or(v->slow, over);
+    v->live = w_or(v->live, on);
+    v->s = w_select(on, w_select(near[0].none, near[1].s, near[0].s), v->s);
+    v->t = w_select(on, w_select(near[0].none, near[1].t, near[0].t), v->t);
+    v->radius = w_select(on, w_select(near[0].none, near[1].radius, near[0].radius), v->radius);
+    if (!w_bits(push)) return;
+    for (int k = EP_WAITING - 1; k > 0; --k) {
+        wait->s[k] = w_select(push, wait->s[k - 1], wait->s[k]);
+        wait->t[k] = w_select(push, wait->t[k - 1], wait->t[k]);
+        wait->radius[k] = w_select(push, wait->radius[k - 1], wait->radius[k]);
+        wait->full[k] = w_or(w_and(push, wait->full[k - 1]), w_andnot(wait->full[k], push));
+    }
+    wait->s[0] = w_select(push, near[1].s, wait->s[0]);
+    wait->t[0] = w_select(push, near[1].t, wait->t[0]);
+    wait->radius[0] = w_select(push, near[1].radius, wait->radius[0]);
+    wait->full[0] = w_or(wait->full[0], push);
+}
+
+/* Those in `done` that have no neighbourhood any more go on with the next one. */
+EP_INLINE void w_next(w_visit *v, w_stack *wait, w_m done)
+{
+    const w_m pop = w_andnot(w_and(done, wait->full[0]), w_or(v->live, v->slow));
+    if (!w_bits(pop)) return;
+    v->s = w_select(pop, wait->s[0], v->s);
+    v->t = w_select(pop, wait->t[0], v->t);
+    v->radius = w_select(pop, wait->radius[0], v->radius);
+    v->live = w_or(v->live, pop);
+    for (int k = 0; k < EP_WAITING; ++k) {
+        const int from = k + 1 < EP_WAITING ? k + 1 : k;
+        wait->s[k] = w_select(pop, wait->s[from], wait->s[k]);
+        wait->t[k] = w_select(pop, wait->t[from], wait->t[k]);
+        wait->radius[k] = w_select(pop, wait->radius[from], wait->radius[k]);
+        wait->full[k] = w_or(from > k ? w_and(pop, wait->full[from]) : w_mask(0), w_andnot(wait->full[k], pop));
+    }
+}
+
+/* For the lanes in `stuck`, whose neighbourhood `here` does not shrink, `j` being the jet there, and roots with |tau|
+ * <= `height`: goes on with what is left of it, the nearer part along the ray first. Lanes without any leave; those
+ * that this does not help are slow. */
+EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, const w_near *here, const w_jet *j,
+                      w_f height, w_m stuck)
 {
     const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f), outward = w_set(EP_OUTWARD);
-    w_folded f = {.s = v->s, .t = v->t, .e = v->radius};
+    const w_f little = w_set(0x1p-20f);
+    w_folded f = {.s = here->s, .t = here->t, .e = here->radius};
     const w_f inverse = one / w_fnma(j->dt.x, j->ds.y, j->ds.x * j->dt.y), size = w_abs(inverse);
     const w_f i = w_max(w_abs(j->dt.y) + w_abs(j->dt.x), w_abs(j->ds.y) + w_abs(j->ds.x)) * size * outward;
+    /* where the ray comes nearest to y's foot */
+    const w_f pp = w_fma(v->p_t, v->p_t, v->p_s * v->p_s);
+    const w_f near = w_fma(v->p_t, j->at.y, v->p_s * j->at.x) / pp;
+    const w_f beside_s = w_fnma(v->p_s, near, j->at.x), beside_t = w_fnma(v->p_t, near, j->at.y);
     f.a[0] = w_fnma(j->dt.x, v->p_t, j->dt.y * v->p_s) * inverse;
     f.a[1] = w_fnma(j->ds.y, v->p_s, j->ds.x * v->p_t) * inverse;
-    f.d0[0] = w_fnma(j->dt.y, j->at.x, j->dt.x * j->at.y) * inverse;
-    f.d0[1] = w_fnma(j->ds.x, j->at.y, j->ds.y * j->at.x) * inverse;
+    f.d0[0] = w_fnma(j->dt.y, beside_s, j->dt.x * beside_t) * inverse;
+    f.d0[1] = w_fnma(j->ds.x, beside_t, j->ds.y * beside_s) * inverse;
     const w_f b_s = w_fnma(j->dt.z, j->ds.y, j->ds.z * j->dt.y) * inverse;
     const w_f b_t = w_fnma(j->ds.z, j->dt.x, j->dt.z * j->ds.x) * inverse;
     const w_f b = (w_abs(b_s) + w_abs(b_t)) * outward;
     w_f k[3];
     for (int c = 0; c < 3; ++c) {
-        const w_f s = w_set(leaf->second[c][0]), t = w_set(leaf->second[c][1]);
-        k[c] = w_fnma(b_t, t, w_fnma(b_s, s, w_set(leaf->second[c][2])));
+        const w_f s = w_set(leaf->half[c][0]), t = w_set(leaf->half[c][1]);
+        k[c] = w_fnma(b_t, t, w_fnma(b_s, s, w_set(leaf->half[c][2])));
         f.bend[0][c] = w_fnma(j->dt.x, t, j->dt.y * s) * inverse;
         f.bend[1][c] = w_fnma(j->ds.y, s, j->ds.x * t) * inverse;
     }
-    const w_f c0 = w_fma(half, w_form(k, f.d0, f.d0), w_fnma(b_t, j->at.y, w_fnma(b_s, j->at.x, j->at.z)));
-    const w_f c1 = w_form(k, f.d0, f.a) + w_fma(j->ds.z, f.a[0], w_fma(j->dt.z, f.a[1], -one));
-    const w_f c2 = w_form(k, f.a, f.a);
+    const w_f c0 = w_form(k, f.d0, f.d0) + w_fnma(b_t, beside_t, w_fnma(b_s, beside_s, j->at.z - near));
+    const w_f mixed = w_form(k, f.d0, f.a);
+    const w_f c1 = (mixed + mixed) + w_fma(j->ds.z, f.a[0], w_fma(j->dt.z, f.a[1], -one));
+    const w_f c2 = w_form(k, f.a, f.a), curved = (w_abs(k[0]) + w_abs(k[2]) + w_abs(k[1] + k[1])) * (outward + outward);
 
     /* tangents err by no more than twice the degree times what the point does */
     const w_f wide = w_fma(w_set(2.0f * (float)(leaf->degree_s + leaf->degree_t)), f.e, one) * outward;
     const w_f noise_st = wide * v->noise_st, noise_h = wide * v->noise_h;
     const w_f bend_st = w_set(leaf->bend_st), warp_st = w_set(leaf->warp_st);
-
     const w_f a = w_max(w_abs(f.a[0]), w_abs(f.a[1])), d0 = w_max(w_abs(f.d0[0]), w_abs(f.d0[1]));
 
-    /* l is within q of the domain, and of the old neighbourhood's size */
+    /* l is within q of the domain, and of the old neighbourhood */
     w_f q = i * w_fma(bend_st, half * outward * (f.e * f.e), noise_st);
-    f.from = -height;
-    f.to = height;
-    w_clip_domain(triangle, f.s + f.d0[0], f.t + f.d0[1], f.a[0], f.a[1],
-                  q + w_fma(w_set(0x1p-20f), d0, w_set(0x1p-20f)), &f.from, &f.to);
+    f.from = -height - near;
+    f.to = height - near;
+    const w_f slack = q + w_fma(little, d0, little);
+    w_clip_domain(triangle, f.s + f.d0[0], f.t + f.d0[1], f.a[0], f.a[1], slack, &f.from, &f.to);
+    w_clip_slab(f.d0[0], f.a[0], -f.e - slack, f.e + slack, &f.from, &f.to);
+    w_clip_slab(f.d0[1], f.a[1], -f.e - slack, f.e + slack, &f.from, &f.to);
     const w_f ends[2][2] = {{w_abs(w_fma(f.a[0], f.from, f.d0[0])), w_abs(w_fma(f.a[1], f.from, f.d0[1]))},
                             {w_abs(w_fma(f.a[0], f.to, f.d0[0])), w_abs(w_fma(f.a[1], f.to, f.d0[1]))}};
     const w_f l_max = w_max(w_max(ends[0][0], ends[0][1]), w_max(ends[1][0], ends[1][1])) * outward;
     f.e = w_min(l_max + q, f.e);
     const w_f half_e2 = half * outward * (f.e * f.e);
     q = i * w_fma(bend_st, half_e2, noise_st);
-    const w_f cross = q * w_fma(w_set(1.5f), q, f.e) * outward;
-    const w_f curved = w_fma(b, bend_st, w_set(leaf->bend_h));
-    const w_f rest = i * w_fma(bend_st, cross, w_fma(warp_st, half_e2, noise_st));
-    f.rest = w_min(rest, q);
-    f.curve = w_select(w_lt(rest, q), half, zero);
+    const w_f most = w_fma(w_set(1.5f), q, f.e) * outward, cross = q * most;
+    f.along = a * outward;
+    f.q = q;
+    f.rest = i * w_fma(bend_st, cross, w_fma(warp_st, half_e2, noise_st));
     const w_f reach = f.e + q;
     f.per_tau = a * w_fma(i * bend_st, reach, one) * outward;
     f.per_square = half * outward * (i * bend_st) * (a * a);
-    /* what rounding adds to c0 + c1 tau + c2 tau²/2: each of a dozen terms is below one of these */
-    const w_f along = d0 + reach, l = along + d0;
-    const w_f terms = w_fma(curved * l, l, w_abs(j->at.z)) +
-                      w_fma(b, w_max(w_abs(j->at.x), w_abs(j->at.y)), along * (b + b + one / a));
-    const w_f p =
-        w_fma(curved, cross, w_fma(w_fma(b, warp_st, w_set(leaf->warp_h)), half_e2, w_fma(b, noise_st, noise_h))) +
-        w_set(0x1p-20f) * terms;
+    /* what rounding adds to the equation: each of a dozen terms is below one of these */
+    const w_f along = d0 + reach, l = along + d0, p_max = w_max(w_abs(v->p_s), w_abs(v->p_t));
+    const w_f at = w_fma(p_max, w_abs(near), w_max(w_abs(j->at.x), w_abs(j->at.y)));
+    const w_f terms = w_fma(curved * l, l, w_abs(j->at.z) + w_abs(near)) +
+                      w_fma(w_fma(curved, i * l, b), at, along * (b + b + one / a));
 
-    /* The solutions are where x = |c2 tau + c1| is between `from` and `to`. Two intervals if from > 0. */
-    const w_f twice = c2 + c2, inner = w_fnma(twice, c0, c1 * c1), width = w_abs(twice) * p;
-    const w_f outer = inner + width;
-    const w_m none = w_lt(outer, zero), both = w_lt(width, inner);
-    const w_f to = w_sqrt(w_max(outer, zero)), from = w_sqrt(w_max(inner - width, zero));
-    const w_f scale = one / w_abs(c2), middle = -c1 / c2;
-    const w_f inexact = w_set(0x1p-20f) * w_fma(to, scale, w_abs(middle));
-    const w_f farther = w_fma(to, scale, inexact), closer = w_fnma(from, scale, inexact);
-    const w_m down = w_lt(v->inverse, zero);
-    const w_f lower_from = middle - farther, lower_to = w_select(both, middle + closer, middle + farther);
-    const w_f upper_from = middle - closer, upper_to = middle + farther;
-    const w_near first = w_unfold(&f, triangle, w_select(w_and(both, down), upper_from, lower_from),
-                                  w_select(w_and(both, down), upper_to, lower_to));
-    w_near second = w_unfold(&f, triangle, w_select(down, lower_from, upper_from), w_select(down, lower_to, upper_to));
-    second.none = w_or(second.none, w_andnot(stuck, both));
+    const w_f warp = w_fma(curved * i * bend_st, most, w_fma(b, warp_st, w_set(leaf->warp_h)));
+    const w_f error = w_fma(curved * i * noise_st, most, w_fma(b, noise_st, noise_h)) + little * terms;
+    const w_f z = i * bend_st * (half * f.e), grow = one / (one - z), strong = warp * grow * grow * outward;
+    const w_f w2 = w_set(0.625f) * strong * (a * a), off = w_fma(i, noise_st, d0);
+    const w_m relative = w_and(w_lt(z, half), w_lt(w2, w_set(0.75f) * w_abs(c2)));
+    const w_f p = w_select(relative, w_fma(w_set(2.5f) * strong, off * off, error), w_fma(warp, half_e2, error));
+    const w_parts parts = w_quadratic(c0, c1, c2, p, w_select(relative, w2, zero), w_lt(v->inverse, zero));
 
-    const w_m left = w_andnot(stuck, w_or(none, w_and(first.none, second.none)));
-    const w_m two = w_andnot(w_andnot(left, first.none), second.none);
-    const w_f limit = w_set(0.75f) * v->radius;
+    w_near both[2] = {w_unfold(&f, triangle, parts.from[0], parts.to[0]),
+                      w_unfold(&f, triangle, parts.from[1], parts.to[1])};
+    both[1].none = w_or(both[1].none, w_andnot(stuck, parts.two));
+    const w_m left = w_andnot(stuck, w_or(parts.none, w_and(both[0].none, both[1].none)));
+    const w_f limit = w_set(0.75f) * here->radius;
     const w_m shrinks =
-        w_and(w_or(first.none, w_lt(first.radius, limit)), w_or(second.none, w_lt(second.radius, limit)));
-    const w_m live = w_andnot(w_and(left, shrinks), w_and(two, v->more));
-    v->live = w_or(v->live, live);
-    v->slow = w_or(v->slow, w_andnot(left, live));
-    v->s = w_select(stuck, w_select(first.none, second.s, first.s), v->s);
-    v->t = w_select(stuck, w_select(first.none, second.t, first.t), v->t);
-    v->radius = w_select(stuck, w_select(first.none, second.radius, first.radius), v->radius);
-    const w_m store = w_and(two, live);
-    v->more = w_or(v->more, store);
-    v->other_s = w_select(store, second.s, v->other_s);
-    v->other_t = w_select(store, second.t, v->other_t);
-    v->other_radius = w_select(store, second.radius, v->other_radius);
-}
-
-/* Lanes that are done with their neighbourhood and have another go on with that. */
-EP_INLINE void w_other(w_visit *v, w_m done)
-{
-    const w_m next = w_andnot(w_and(done, v->more), w_or(v->live, v->slow));
-    v->s = w_select(next, v->other_s, v->s);
-    v->t = w_select(next, v->other_t, v->t);
-    v->radius = w_select(next, v->other_radius, v->radius);
-    v->live = w_or(v->live, next);
-    v->more = w_andnot(v->more, next);
+        w_and(w_or(both[0].none, w_lt(both[0].radius, limit)), w_or(both[1].none, w_lt(both[1].radius, limit)));
+    v->slow = w_or(v->slow, w_andnot(left, shrinks));
+    w_go_on(v, wait, both, w_and(left, shrinks));
 }

@@ -46,8 +46,6 @@ typedef struct w_visit {
     w_f radius;            /* all roots are within this of it                             */
     w_m live;              /* neither certified to miss nor slow                          */
     w_m slow;
-    w_m more; /* there is another such neighbourhood, farther along the ray  */
-    w_f other_s, other_t, other_radius;
 } w_visit;
 
 /* The surface at (s, t), in leaf coordinates: S - o, and its derivatives. */
@@ -58,8 +56,8 @@ typedef struct w_jet {
 typedef struct w_step {
     w_f s, t, step_s, step_t; /* the improved Newton point, and the way there */
     w_f radius;               /* the roots are within this of it              */
-    w_f distance;             /* the root's t relative to the moved origin    */
-    w_f late;                 /* ... is no farther from the truth than this   */
+    w_f height;               /* the root's above the moved origin            */
+    w_f late;                 /* its t is no farther from the truth than this */
     w_m hit, vague;           /* vague: float says that there is one, double has to say where */
     w_m stuck;                /* neither, and the neighbourhood does not shrink               */
 } w_step;
@@ -151,74 +149,146 @@ EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d
     return v;
 }
 
-/* Where iteration begins. Seen from the plane the leaf is a graph, its height over its feet u = x + r_st(x), and along
- * the ray u = u0 + p tau where its height is tau. With H the second derivatives at the middle, and a plane from which
- * the graph has no linear terms but those that cancel cubic ones, a hit has
+/* Seen from the plane the leaf is a graph, its height over its feet u = x + r_st(x), and along the ray u = u0 + p tau
+ * where its height is tau. With H the second derivatives at the middle, and a plane from which the graph has no linear
+ * terms but those that cancel cubic ones, a hit has
  *
- *     |c0 + c1 tau + c2 tau²/2| <= P,   c0 = middle + H_h u0²/2,  c1 = H_h u0 p - 1,  c2 = H_h p²,
+ *     |c0 + c1 tau + c2 tau²| <= P,   c0 = middle + H_h u0²/2,  c1 = H_h u0 p - 1,  c2 = H_h p²/2,
  *
- * P = graph + noise. How the leaf is parametrised does not matter. With D = c1² - 2 c2 c0 and w = 2 |c2| P the ray
- * misses if D < -w. If not, tau is within delta of one of the two roots for D, delta = 2 P / (sqrt(D) + sqrt(D - w)):
- * less than 4/3 P / sqrt(D) if w < 3/4 D, and else the ray is too nearly tangent for this to help. Usually one of the
- * roots is nowhere near the leaf, or before tnear, and the other says where to evaluate first: at x = u - m + H_st u m,
- * m = H_st u²/2, which is right to `foot` for a foot u of D, and off by at most 1 + k + 3/2 k² times what u is, k =
- * |H_st| |u|. Rays with two, and those that are too nearly tangent, are slow. */
-EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f tnear)
+ * P = graph + noise. How the leaf is parametrised does not matter. */
+typedef struct w_graph {
+    w_f c0, c1, c2, p;
+    w_f e_st;  /* u0 is right to this */
+    w_f high;  /* |tau| is below this */
+    w_f p_max; /* the larger of |p|   */
+} w_graph;
+
+EP_INLINE w_graph w_meet_graph(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o)
 {
-    const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f);
-    const float extent = triangle ? 2 * EP_THIRD : EP_HALF, reach = extent + leaf->side;
+    w_graph g;
+    const float reach = (triangle ? 2 * EP_THIRD : EP_HALF) + leaf->side;
     v->o = o;
     v->noise_st = w_fma(w_set(leaf->reach_st), v->way, w_set(leaf->noise_st));
     v->noise_h = w_fma(w_set(leaf->reach_h), v->way, w_set(leaf->noise_h));
 
     const w_f s = v->s, t = v->t;
-    const w_f ss = w_set(leaf->second[0][2]), st = w_set(leaf->second[1][2]), tt = w_set(leaf->second[2][2]);
+    const w_f ss = w_set(leaf->half[0][2]), st = w_set(leaf->half[1][2]), tt = w_set(leaf->half[2][2]);
     const w_f g_s = w_fma(st, t, ss * s), g_t = w_fma(tt, t, st * s);
-    const w_f c0 = w_fma(w_fma(t, g_t, s * g_s), half, w_set(leaf->middle));
-    const w_f c1 = w_fma(v->p_t, g_t, w_fma(v->p_s, g_s, -one));
-    const w_f c2 = w_fma(v->p_t, w_fma(tt, v->p_t, st * v->p_s), v->p_s * w_fma(st, v->p_t, ss * v->p_s));
+    g.c0 = w_fma(t, g_t, w_fma(s, g_s, w_set(leaf->middle)));
+    g.c1 = w_fma(v->p_t + v->p_t, g_t, w_fma(v->p_s + v->p_s, g_s, w_set(-1.0f)));
+    g.c2 = w_fma(v->p_t, w_fma(tt, v->p_t, st * v->p_s), v->p_s * w_fma(st, v->p_t, ss * v->p_s));
 
     /* u0 and tau are right to e_st and e_h; c0, c1 tau and c2 tau² to a few roundings of terms below `terms` */
-    const w_f e_st = w_fma(w_set(leaf->reach_st), v->far, v->noise_st);
+    g.e_st = w_fma(w_set(leaf->reach_st), v->far, v->noise_st);
     const w_f e_h = w_fma(w_set(leaf->reach_h), v->far, v->noise_h);
-    const w_f p_max = w_max(w_abs(v->p_s), w_abs(v->p_t)), high = w_set(leaf->height) + e_h;
-    const w_f along = w_fma(p_max, high, w_max(w_abs(s), w_abs(t)));
-    const w_f terms = w_fma(w_set(leaf->bend_h) * along, along, high + high);
-    const w_f p = w_fma(w_set(EP_TERMS), terms, w_fma(w_set(leaf->bend_h * reach), e_st, w_set(leaf->graph) + e_h));
+    g.p_max = w_max(w_abs(v->p_s), w_abs(v->p_t));
+    g.high = w_set(leaf->height) + e_h;
+    const w_f along = w_fma(g.p_max, g.high, w_max(w_abs(s), w_abs(t)));
+    const w_f terms = w_fma(w_set(leaf->bend_h) * along, along, g.high + g.high);
+    g.p = w_fma(w_set(EP_TERMS), terms, w_fma(w_set(leaf->bend_h * reach), g.e_st, w_set(leaf->graph) + e_h));
+    return g;
+}
 
-    const w_f twice = c2 + c2, size = w_abs(c2), width = w_abs(twice) * p;
-    const w_f d = w_fnma(twice, c0, c1 * c1), root = w_sqrt(w_max(d, zero));
-    const w_m none = w_lt(d + width, zero), clear = w_lt(width, w_set(0.75f) * d), falls = w_lt(c1, zero);
-    const w_f q = w_abs(c1) + root, inverse = one / (q * root), delta = (w_set(1.5f) * p) * (q * inverse);
-    const w_f twice_c0 = c0 + c0, tau = (w_select(falls, twice_c0, -twice_c0) * root) * inverse;
-    /* the other is at tau_2 = q_2 / c2 */
-    const w_f q_2 = w_select(falls, q, -q), about = w_fma(p_max, delta, e_st), within = high + delta;
-    const w_f u_2 = w_max(w_abs(w_fma(v->p_s, q_2, s * c2)), w_abs(w_fma(v->p_t, q_2, t * c2)));
-    const w_f t_2 = w_select(w_lt(c2, zero), -q_2, q_2) * v->inverse; /* from the plane, times |c2| */
-    const w_f late = w_fma(w_fma(w_set(EP_TERMS), within, delta), w_abs(v->inverse),
+/* The point over the foot (u_s, u_t), which is in D give or take `about`: x = u - m + H_st u m, m = H_st u²/2. Returns
+ * how far that may be off: `foot`, and by at most 1 + k + 3/2 k² times what u is, k = |H_st| |u|. */
+EP_INLINE w_f w_above(const ep_leaf *leaf, int triangle, w_f u_s, w_f u_t, w_f about, w_f x[2])
+{
+    const w_f one = w_set(1.0f), beside = w_set(leaf->side) + about;
+    w_f h_s[2], h_t[2], m[2], twice[2];
+    for (int c = 0; c < 2; ++c) {
+        const w_f ss = w_set(leaf->half[0][c]), st = w_set(leaf->half[1][c]), tt = w_set(leaf->half[2][c]);
+        h_s[c] = w_fma(st, u_t, ss * u_s);
+        h_t[c] = w_fma(tt, u_t, st * u_s);
+        m[c] = w_fma(h_t[c], u_t, h_s[c] * u_s);
+        twice[c] = m[c] + m[c];
+    }
+    x[0] = w_fma(h_s[0], twice[0], w_fma(h_t[0], twice[1], u_s - m[0]));
+    x[1] = w_fma(h_s[1], twice[0], w_fma(h_t[1], twice[1], u_t - m[1]));
+    /* the triangle's corner is where both coordinates of a foot are farthest out */
+    const w_f k =
+        w_set(leaf->bend_st) * w_fma(w_set(triangle ? 4.0f : 1.0f), beside, w_set(triangle ? 2 * EP_THIRD : EP_HALF));
+    const w_f once = w_fma(w_fma(w_fma(w_set(1.5f), k, one), k, one), about, w_set(leaf->foot));
+    return triangle ? once + once : once;
+}
+
+/* A root of the graph's equation, and how far a hit may be from it. */
+typedef struct w_root {
+    w_f tau, delta;
+    w_m none;    /* the ray misses                           */
+    w_m unclear; /* there may be another, or none            */
+} w_root;
+
+/* With D = c1² - 4 c2 c0 and w = 4 |c2| P the ray misses if D < -w. If not, tau is within delta of one of the two roots
+ * for D, delta = 2 P / (sqrt(D) + sqrt(D - w)): less than 4/3 P / sqrt(D) if w < 3/4 D, and else the ray is too nearly
+ * tangent for this to help. Usually one of the roots is nowhere near the leaf, or before tnear. */
+EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_graph *g, int triangle, w_f tnear)
+{
+    w_root r;
+    const w_f zero = w_set(0.0f), one = w_set(1.0f), four = w_set(4.0f) * g->c2, width = w_abs(four) * g->p;
+    const w_f d = w_fnma(four, g->c0, g->c1 * g->c1), root = w_sqrt(w_max(d, zero));
+    const w_m clear = w_lt(width, w_set(0.75f) * d), falls = w_lt(g->c1, zero);
+    const w_f q = w_abs(g->c1) + root, inverse = one / (q * root), twice_c0 = g->c0 + g->c0;
+    r.none = w_lt(d + width, zero);
+    r.delta = (w_set(1.5f) * g->p) * (q * inverse);
+    r.tau = (w_select(falls, twice_c0, -twice_c0) * root) * inverse;
+    /* the other is at tau_2 = q_2 / (2 c2) */
+    const w_f twice = g->c2 + g->c2, size = w_abs(twice), within = g->high + r.delta;
+    const w_f q_2 = w_select(falls, q, -q), room = w_set((triangle ? 2 * EP_THIRD : EP_HALF) + leaf->side);
+    const w_f about = w_fma(g->p_max, r.delta, g->e_st);
+    const w_f u_2 = w_max(w_abs(w_fma(v->p_s, q_2, v->s * twice)), w_abs(w_fma(v->p_t, q_2, v->t * twice)));
+    const w_f t_2 = w_select(w_lt(twice, zero), -q_2, q_2) * v->inverse; /* from the plane, times |2 c2| */
+    const w_f late = w_fma(w_fma(w_set(EP_TERMS), within, r.delta), w_abs(v->inverse),
                            w_set(EP_TERMS) * (w_abs(v->t_plane) + w_abs(tnear)));
     const w_m behind = w_lt(w_fma(late, size, t_2), (tnear - v->t_plane) * size);
-    const w_m second = w_andnot(w_and(w_le(q, within * size), w_le(u_2, (w_set(reach) + about) * size)), behind);
-    const w_f u_s = w_fma(v->p_s, tau, s), u_t = w_fma(v->p_t, tau, t), beside = w_set(leaf->side) + about;
-    const w_m first =
-        w_and(w_le(w_abs(tau), within), w_le(w_outside(triangle, u_s, u_t), triangle ? beside + beside : beside));
-    const w_m left = w_andnot(v->live, none), slow = w_or(w_and(left, second), w_andnot(left, clear));
-    v->slow = w_or(v->slow, slow);
+    const w_m second = w_andnot(w_and(w_le(q, within * size), w_le(u_2, (room + about) * size)), behind);
+    r.unclear = w_or(second, w_andnot(v->live, clear));
+    return r;
+}
 
-    w_f h_s[2], h_t[2], m[2], x[2];
-    for (int c = 0; c < 2; ++c) {
-        const w_f r_ss = w_set(leaf->second[0][c]), r_st = w_set(leaf->second[1][c]), r_tt = w_set(leaf->second[2][c]);
-        h_s[c] = w_fma(r_st, u_t, r_ss * u_s);
-        h_t[c] = w_fma(r_tt, u_t, r_st * u_s);
-        m[c] = w_fma(h_t[c], half * u_t, h_s[c] * (half * u_s));
+/* For most rays a series will do: with y = 1/c1, e = c0 y and z = 4 c2 e y, the smaller root is
+ *
+ *     -2 e / (1 + sqrt(1 - z)) = -e (1 + z/4 + z²/8 + 5/64 z³ + ...),
+ *
+ * whose next term and all after it are below 0.007 if |z| <= 1/2. A hit is no farther from it than P |y| times the mean
+ * of 1/sqrt(1 - z - x) for x from 0 to 4 |c2| P y², which is below 1.07 (1 + |z|) if that is at most 1/8. The other
+ * root is farther than (1 + sqrt(1/2)) / |2 c2 y| from the plane. */
+#define EP_SERIES_Z 0.5f
+#define EP_SERIES_REST 0.007f
+#define EP_SERIES_WIDTH 0.125f
+#define EP_SERIES_SLOPE 1.07f
+#define EP_SERIES_OTHER 3.4f
+
+/* Where iteration begins: over the foot u0 + p tau. Rays with two roots, and those that are too nearly tangent, are
+ * slow. */
+EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f tnear)
+{
+    const w_f one = w_set(1.0f);
+    const w_graph g = w_meet_graph(leaf, v, triangle, o);
+    const w_f y = one / g.c1, e = g.c0 * y, ratio = (w_set(4.0f) * g.c2) * y, z = e * ratio;
+    const w_f spread = w_abs(y) * g.p, slope = w_set(EP_SERIES_SLOPE) * spread;
+    const w_f series = w_fma(z, w_fma(z, w_fma(z, w_set(5.0f / 64), w_set(1.0f / 8)), w_set(1.0f / 4)), one);
+    w_root r = {.tau = -e * series, .none = w_mask(0), .unclear = w_mask(0)};
+    r.delta = w_fma(w_set(EP_SERIES_REST), w_abs(e), w_fma(slope, w_abs(z), slope));
+    const w_m easy = w_and(w_le(w_abs(z), w_set(EP_SERIES_Z)),
+                           w_and(w_le(w_abs(ratio) * spread, w_set(EP_SERIES_WIDTH)),
+                                 w_le(w_abs(ratio) * (g.high + r.delta), w_set(EP_SERIES_OTHER))));
+    const w_m hard = w_andnot(v->live, easy);
+    if (w_bits(hard)) {
+        const w_root exact = w_near_root(leaf, v, &g, triangle, tnear);
+        r.tau = w_select(hard, exact.tau, r.tau);
+        r.delta = w_select(hard, exact.delta, r.delta);
+        r.none = w_and(hard, exact.none);
+        r.unclear = w_and(hard, exact.unclear);
     }
-    x[0] = w_fma(h_s[0], m[0], w_fma(h_t[0], m[1], u_s - m[0]));
-    x[1] = w_fma(h_s[1], m[0], w_fma(h_t[1], m[1], u_t - m[1]));
-    /* the triangle's corner is where both coordinates of a foot are farthest out */
-    const w_f k = w_set(leaf->bend_st) * w_fma(w_set(triangle ? 4.0f : 1.0f), beside, w_set(extent));
-    const w_f once = w_fma(w_fma(w_fma(w_set(1.5f), k, one), k, one), about, w_set(leaf->foot));
-    const w_f off = triangle ? once + once : once;
-    v->live = w_andnot(w_andnot(w_and(left, first), slow), w_lt(off, w_outside(triangle, x[0], x[1])));
+    const w_f about = w_fma(g.p_max, r.delta, g.e_st), beside = w_set(leaf->side) + about;
+    const w_f u_s = w_fma(v->p_s, r.tau, v->s), u_t = w_fma(v->p_t, r.tau, v->t);
+    const w_m in = w_and(w_le(w_abs(r.tau), g.high + r.delta),
+                         w_le(w_outside(triangle, u_s, u_t), triangle ? beside + beside : beside));
+    const w_m left = w_andnot(v->live, r.none), slow = w_and(left, r.unclear);
+    w_f x[2];
+    const w_f off = w_above(leaf, triangle, u_s, u_t, about, x);
+    v->slow = w_or(v->slow, slow);
+    v->live = w_andnot(w_andnot(w_and(left, in), slow), w_lt(off, w_outside(triangle, x[0], x[1])));
     v->radius = w_min(off, one);
     w_clamp(triangle, &x[0], &x[1]);
     v->s = x[0];
@@ -232,17 +302,17 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, const 
     w_step r;
     const w_f one = w_set(1.0f), half = w_set(0.5f);
     const w_linear l = w_solve(v, j);
-    const w_f half_ss = half * (l.c_s * l.c_s), both = l.c_s * l.c_t, half_tt = half * (l.c_t * l.c_t);
+    const w_f c_ss = l.c_s * l.c_s, c_st = (l.c_s + l.c_s) * l.c_t, c_tt = l.c_t * l.c_t;
     w_f curve[3];
     for (int c = 0; c < 3; ++c)
-        curve[c] = w_fma(w_set(leaf->second[2][c]), half_tt,
-                         w_fma(w_set(leaf->second[1][c]), both, w_set(leaf->second[0][c]) * half_ss));
+        curve[c] =
+            w_fma(w_set(leaf->half[1][c]), c_st, w_fma(w_set(leaf->half[2][c]), c_tt, w_set(leaf->half[0][c]) * c_ss));
     const w_f v_s = w_fnma(v->p_s, curve[2], curve[0]), v_t = w_fnma(v->p_t, curve[2], curve[1]);
     r.step_s = w_fma(w_fnma(l.tt, v_s, l.st * v_t), l.inverse, l.c_s);
     r.step_t = w_fma(w_fnma(l.ss, v_t, l.ts * v_s), l.inverse, l.c_t);
     r.s = v->s + r.step_s;
     r.t = v->t + r.step_t;
-    r.distance = (w_fma(j->dt.z, r.step_t, w_fma(j->ds.z, r.step_s, j->at.z)) + curve[2]) * v->inverse;
+    r.height = w_fma(j->dt.z, r.step_t, w_fma(j->ds.z, r.step_s, j->at.z + curve[2]));
 
     const w_f bend = w_spread(&l, w_set(leaf->bend_st), w_set(leaf->bend_h));
     const w_f warp = w_spread(&l, w_set(leaf->warp_st), w_set(leaf->warp_h));
@@ -302,11 +372,12 @@ EP_INLINE void w_parameters(const ep_leaf *leaf, int triangle, w_f s, w_f t, w_f
 EP_INLINE void w_normal(const ep_leaf *leaf, const w_jet *j, const w_step *r, w_f ng[3])
 {
     const w_f jds[3] = {j->ds.x, j->ds.y, j->ds.z}, jdt[3] = {j->dt.x, j->dt.y, j->dt.z};
+    const w_f twice_s = r->step_s + r->step_s, twice_t = r->step_t + r->step_t;
     w_f a[3], b[3], n[3];
     for (int c = 0; c < 3; ++c) {
-        const w_f ss = w_set(leaf->second[0][c]), st = w_set(leaf->second[1][c]), tt = w_set(leaf->second[2][c]);
-        a[c] = w_fma(st, r->step_t, w_fma(ss, r->step_s, jds[c]));
-        b[c] = w_fma(tt, r->step_t, w_fma(st, r->step_s, jdt[c]));
+        const w_f ss = w_set(leaf->half[0][c]), st = w_set(leaf->half[1][c]), tt = w_set(leaf->half[2][c]);
+        a[c] = w_fma(st, twice_t, w_fma(ss, twice_s, jds[c]));
+        b[c] = w_fma(tt, twice_t, w_fma(st, twice_s, jdt[c]));
     }
     for (int c = 0; c < 3; ++c) {
         const int k = (c + 1) % 3, l = (c + 2) % 3;

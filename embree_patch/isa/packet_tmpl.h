@@ -103,7 +103,7 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
             counters->evaluations += (unsigned)__builtin_popcount(live);
             const w_step step = w_advance(leaf, &visit, triangle, &jet);
             visit.slow = w_or(visit.slow, step.stuck);
-            const w_f t = visit.t_plane + step.distance;
+            const w_f t = w_fma(step.height, visit.inverse, visit.t_plane);
             const w_f after = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
             const w_f before = w_load(ray + EP_RAY_TFAR * rays, rays - base);
             const w_m within = w_and(w_lt(after, t), w_le(t, before));

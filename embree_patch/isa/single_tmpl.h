@@ -162,16 +162,17 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
     const f4 o = f4_to_leaf(frame, f4_fma(t_plane, dir, relative) + low);
     const float noise_st = f1_fma(leaf->reach_st, way, leaf->noise_st);
     const float noise_h = f1_fma(leaf->reach_h, way, leaf->noise_h);
-    const f4 ss = f4_load(leaf->second[0]), st = f4_load(leaf->second[1]), tt = f4_load(leaf->second[2]);
+    const f4 ss = f4_load(leaf->half[0]), st = f4_load(leaf->half[1]), tt = f4_load(leaf->half[2]);
     float radius;
     f4 x;
     {
+        /* the graph */
         const float extent = triangle ? 2 * EP_THIRD : EP_HALF, room = extent + leaf->side;
-        const float ss_h = leaf->second[0][2], st_h = leaf->second[1][2], tt_h = leaf->second[2][2];
+        const float ss_h = leaf->half[0][2], st_h = leaf->half[1][2], tt_h = leaf->half[2][2];
         const float s = plane[0], t = plane[1], p_s = p[0], p_t = p[1];
         const float g_s = f1_fma(st_h, t, ss_h * s), g_t = f1_fma(tt_h, t, st_h * s);
-        const float c0 = f1_fma(f1_fma(t, g_t, s * g_s), 0.5f, leaf->middle);
-        const float c1 = f1_fma(p_t, g_t, f1_fma(p_s, g_s, -1.0f));
+        const float c0 = f1_fma(t, g_t, f1_fma(s, g_s, leaf->middle));
+        const float c1 = f1_fma(p_t + p_t, g_t, f1_fma(p_s + p_s, g_s, -1.0f));
         const float c2 = f1_fma(p_t, f1_fma(tt_h, p_t, st_h * p_s), p_s * f1_fma(st_h, p_t, ss_h * p_s));
 
         const float e_st = f1_fma(leaf->reach_st, far, noise_st), e_h = f1_fma(leaf->reach_h, far, noise_h);
@@ -179,28 +180,39 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         const float terms = f1_fma(leaf->bend_h * along, along, high + high);
         const float error = f1_fma(EP_TERMS, terms, f1_fma(leaf->bend_h * room, e_st, leaf->graph + e_h));
 
-        const float twice = c2 + c2, size = f1_abs(c2), width = f1_abs(twice) * error;
-        const float d = f1_fma(-twice, c0, c1 * c1);
-        if (d + width < 0) return none;
-        if (!(width < 0.75f * d)) return slow;
-        const float root = f1_sqrt(d), q = f1_abs(c1) + root, over = 1.0f / (q * root);
-        const float delta = (1.5f * error) * (q * over), twice_c0 = c0 + c0;
-        const float tau = ((c1 < 0 ? twice_c0 : -twice_c0) * root) * over;
-        const float about = f1_fma(p_max, delta, e_st), within = high + delta, q_2 = c1 < 0 ? q : -q;
-        const f4 u_2 = f4_fma(p, f4_set(q_2), plane * f4_set(c2));
-        const float t_2 = (c2 < 0 ? -q_2 : q_2) * inverse[0];
-        const float late = f1_fma(f1_fma(EP_TERMS, within, delta), f1_abs(inverse[0]),
-                                  EP_TERMS * (f1_abs(t_plane[0]) + f1_abs(tnear)));
-        const bool behind = f1_fma(late, size, t_2) < (tnear - t_plane[0]) * size;
-        if (q <= within * size && f4_norm(u_2) <= (room + about) * size && !behind) return slow;
-        const f4 u = f4_fma(p, f4_set(tau), plane);
-        const float beside = leaf->side + about;
-        if (!(f1_abs(tau) <= within && f4_outside(triangle, u) <= (triangle ? beside + beside : beside))) return none;
+        /* its root */
+        const float y = 1.0f / c1, e = c0 * y, ratio = (4.0f * c2) * y, z = e * ratio;
+        const float spread = f1_abs(y) * error, slope = EP_SERIES_SLOPE * spread;
+        float tau = -e * f1_fma(z, f1_fma(z, f1_fma(z, 5.0f / 64, 1.0f / 8), 1.0f / 4), 1.0f);
+        float delta = f1_fma(EP_SERIES_REST, f1_abs(e), f1_fma(slope, f1_abs(z), slope));
+        if (!(f1_abs(z) <= EP_SERIES_Z && f1_abs(ratio) * spread <= EP_SERIES_WIDTH &&
+              f1_abs(ratio) * (high + delta) <= EP_SERIES_OTHER)) {
+            const float four = 4.0f * c2, width = f1_abs(four) * error;
+            const float d = f1_fma(-four, c0, c1 * c1);
+            if (d + width < 0) return none;
+            if (!(width < 0.75f * d)) return slow;
+            const float root = f1_sqrt(d), q = f1_abs(c1) + root, over = 1.0f / (q * root), twice_c0 = c0 + c0;
+            delta = (1.5f * error) * (q * over);
+            tau = ((c1 < 0 ? twice_c0 : -twice_c0) * root) * over;
+            const float twice = c2 + c2, size = f1_abs(twice), within = high + delta, q_2 = c1 < 0 ? q : -q;
+            const float about = f1_fma(p_max, delta, e_st);
+            const f4 u_2 = f4_fma(p, f4_set(q_2), plane * f4_set(twice));
+            const float t_2 = (twice < 0 ? -q_2 : q_2) * inverse[0];
+            const float late = f1_fma(f1_fma(EP_TERMS, within, delta), f1_abs(inverse[0]),
+                                      EP_TERMS * (f1_abs(t_plane[0]) + f1_abs(tnear)));
+            const bool behind = f1_fma(late, size, t_2) < (tnear - t_plane[0]) * size;
+            if (q <= within * size && f4_norm(u_2) <= (room + about) * size && !behind) return slow;
+        }
 
-        const f4 u_s = f4_lane(u, 0), u_t = f4_lane(u, 1), half = f4_set(0.5f);
+        /* and the point there */
+        const f4 u = f4_fma(p, f4_set(tau), plane);
+        const float about = f1_fma(p_max, delta, e_st), beside = leaf->side + about;
+        if (!(f1_abs(tau) <= high + delta && f4_outside(triangle, u) <= (triangle ? beside + beside : beside)))
+            return none;
+        const f4 u_s = f4_lane(u, 0), u_t = f4_lane(u, 1);
         const f4 h_s = f4_fma(st, u_t, ss * u_s), h_t = f4_fma(tt, u_t, st * u_s);
-        const f4 m_u = f4_fma(h_t, half * u_t, h_s * (half * u_s));
-        x = f4_fma(h_s, f4_lane(m_u, 0), f4_fma(h_t, f4_lane(m_u, 1), u - m_u));
+        const f4 m_u = f4_fma(h_t, u_t, h_s * u_s), twice = m_u + m_u;
+        x = f4_fma(h_s, f4_lane(twice, 0), f4_fma(h_t, f4_lane(twice, 1), u - m_u));
         const float k = leaf->bend_st * f1_fma(triangle ? 4.0f : 1.0f, beside, extent);
         const float once = f1_fma(f1_fma(f1_fma(1.5f, k, 1.0f), k, 1.0f), about, leaf->foot);
         const float off = triangle ? once + once : once;
@@ -217,8 +229,7 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         /* advance */
         const f4_linear l = f4_solve(p, at, ds, dt);
         const float c_s = l.c[0], c_t = l.c[1];
-        const f4 curve =
-            f4_fma(tt, f4_set(0.5f * (c_t * c_t)), f4_fma(st, f4_set(c_s * c_t), ss * f4_set(0.5f * (c_s * c_s))));
+        const f4 curve = f4_fma(st, f4_set((c_s + c_s) * c_t), f4_fma(tt, f4_set(c_t * c_t), ss * f4_set(c_s * c_s)));
         const f4 v = f4_fnma(p, f4_lane(curve, 2), curve);
         const f4 step = f4_fma(f4_fnma(l.m, v, l.n * f4_swap(v)), l.inverse, l.c);
         const f4 found = x + step, step_s = f4_lane(step, 0), step_t = f4_lane(step, 1);
@@ -236,16 +247,17 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         if (length <= EP_NEAR && bound <= f1_max(EP_REMAINDER * noise, EP_ACCEPT * leaf->noise_st) && unique &&
             bend * margin <= 1.0f) {
             const bool vague = EP_FLAT < margin || (EP_SHARP < left && -outside <= left);
-            const f4 distance = (f4_fma(dt, step_t, f4_fma(ds, step_s, at)) + curve) * inverse;
-            const float t = t_plane[0] + distance[2];
+            const f4 above = f4_fma(dt, step_t, f4_fma(ds, step_s, at + curve));
+            const float t = f1_fma(above[2], inverse[0], t_plane[0]);
             const float slope = f1_fma(leaf->bend_h, length + margin, f1_abs(ds[2]) + f1_abs(dt[2]));
             const float late =
                 f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(t), f1_fma(slope, margin, noise_h) * f1_abs(inverse[0]));
             const bool within = tnear < t && t <= tfar, nearly = tnear < t + late && t - late <= tfar;
             if (!(within || (vague && nearly))) return none;
             *t_out = t;
-            f4_put_hit(leaf, triangle, found, f4_fma(st, step_t, f4_fma(ss, step_s, ds)),
-                       f4_fma(tt, step_t, f4_fma(st, step_s, dt)), hit_out);
+            const f4 twice_s = step_s + step_s, twice_t = step_t + step_t;
+            f4_put_hit(leaf, triangle, found, f4_fma(st, twice_t, f4_fma(ss, twice_s, ds)),
+                       f4_fma(tt, twice_t, f4_fma(st, twice_s, dt)), hit_out);
             return (ep_outcome){1, t == tfar, vague, 0};
         }
         if (!(left < 0.75f * radius)) return slow;

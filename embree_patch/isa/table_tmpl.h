@@ -26,9 +26,10 @@ typedef f4 f4_v;
 #include "embree_patch/isa/packet_tmpl.h"
 #include "embree_patch/isa/single_tmpl.h"
 #include "embree_patch/isa/fold_tmpl.h"
+#include "embree_patch/isa/tangent_tmpl.h"
 #include "embree_patch/isa/cells_tmpl.h"
 
-/* The three kernels of a shape; `m` and `n` may read the leaf. */
+/* The four kernels of a shape; `m` and `n` may read the leaf. */
 #define EP_SHAPE(name, triangle, m, n, rational)                                                                       \
     static ep_outcome packet_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,            \
                                     uint32_t active, float *t, float *hit, EPCounters *counters)                       \
@@ -44,6 +45,11 @@ typedef f4 f4_v;
                              const unsigned *lanes, unsigned count, const float *from, const float *to, ep_cells *out) \
     {                                                                                                                  \
         w_cells(leaf, net, ray, rays, lanes, count, from, to, out, triangle, m, n, rational);                          \
+    }                                                                                                                  \
+    static void tangent_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,                 \
+                               uint32_t active, ep_roots *out)                                                         \
+    {                                                                                                                  \
+        w_tangent(leaf, net, ray, rays, active, out, triangle, m, n, rational);                                        \
     }
 
 #if EP_ANY_DEGREE
@@ -75,6 +81,7 @@ const ep_kernels EP_KERNELS = {
     .width = EP_LANES,
     .packet = EP_ALL(packet),
     .single = EP_ALL(single),
+    .tangent = EP_ALL(tangent),
     .cells = EP_ALL(cells),
     .offer = w_offer,
     .settle = w_settle,

@@ -6,13 +6,25 @@
 #include <math.h>
 #include <string.h>
 
+/* What the single-ray kernel loads at once is stored at once: from several stores it could not be forwarded. */
+typedef float quad __attribute__((vector_size(16), may_alias));
+
 void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one)
 {
     const unsigned n = packet->n;
-    one->query = *packet;
-    one->query.n = 1;
-    one->query.ray = one->ray;
-    for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) one->ray[f] = packet->ray[f * n + lane];
+    const float *from = packet->ray + lane;
+    for (unsigned f = 0; f < EP_RAY_FIELDS; f += 4)
+        *(quad *)(one->ray + f) = (quad){from[f * n], from[(f + 1) * n], from[(f + 2) * n], from[(f + 3) * n]};
+    one->query = (ep_query){.intersect = packet->intersect,
+                            .occluded = packet->occluded,
+                            .geometry = packet->geometry,
+                            .hierarchy = packet->hierarchy,
+                            .leaf = packet->leaf,
+                            .net = packet->net,
+                            .context = packet->context,
+                            .ray = one->ray,
+                            .n = 1,
+                            .geom_id = packet->geom_id};
     if (!packet->intersect) return;
     /* what ep_in_front looks at */
     for (unsigned f = EP_RAY_FIELDS; f < EP_RAY_FIELDS + HIT_FIELDS; ++f) one->ray[f] = packet->ray[f * n + lane];

@@ -92,44 +92,48 @@ uint32_t ep_visit(const ep_query *q, int *valid)
     return accepted;
 }
 
-static ep_query query_of(EPGeometry g, unsigned prim, ep_rtc_context *context, void *ray, unsigned n, unsigned geom_id)
+/* Filled in place: a copy of what has just been written in smaller pieces would wait for them. */
+static inline void make_query(ep_query *q, EPGeometry g, unsigned prim, ep_rtc_context *context, void *ray, unsigned n,
+                              unsigned geom_id)
 {
     const ep_leaf *leaf = &g->hierarchy.leaves[prim];
-    return (ep_query){.geometry = g,
-                      .hierarchy = &g->hierarchy,
-                      .leaf = leaf,
-                      .net = g->hierarchy.nets + leaf->net,
-                      .context = context,
-                      .ray = ray,
-                      .n = n,
-                      .geom_id = geom_id};
+    q->geometry = g;
+    q->hierarchy = &g->hierarchy;
+    q->leaf = leaf;
+    q->net = g->hierarchy.nets + leaf->net;
+    q->context = context;
+    q->ray = ray;
+    q->n = n;
+    q->geom_id = geom_id;
 }
 
-static ep_query intersect_query(const struct RTCIntersectFunctionNArguments *a)
+static inline void intersect_query(ep_query *q, const struct RTCIntersectFunctionNArguments *a)
 {
-    ep_query q = query_of(a->geometryUserPtr, a->primID, a->context, a->rayhit, a->N, a->geomID);
-    q.intersect = a;
-    return q;
+    make_query(q, a->geometryUserPtr, a->primID, a->context, a->rayhit, a->N, a->geomID);
+    q->intersect = a;
+    q->occluded = NULL;
 }
 
-static ep_query occluded_query(const struct RTCOccludedFunctionNArguments *a)
+static inline void occluded_query(ep_query *q, const struct RTCOccludedFunctionNArguments *a)
 {
-    ep_query q = query_of(a->geometryUserPtr, a->primID, a->context, a->ray, a->N, a->geomID);
-    q.occluded = a;
-    return q;
+    make_query(q, a->geometryUserPtr, a->primID, a->context, a->ray, a->N, a->geomID);
+    q->intersect = NULL;
+    q->occluded = a;
 }
 
 /* Single rays mostly end with a kernel that has found nothing: they have no query until it has. */
 static __attribute__((noinline)) void intersect_packet(const struct RTCIntersectFunctionNArguments *args)
 {
-    const ep_query q = intersect_query(args);
+    ep_query q;
+    intersect_query(&q, args);
     ep_visit(&q, args->valid);
 }
 
 static __attribute__((noinline)) void intersect_found(const struct RTCIntersectFunctionNArguments *args, ep_outcome o,
                                                       ep_candidates *c, EPCounters *counters)
 {
-    const ep_query q = intersect_query(args);
+    ep_query q;
+    intersect_query(&q, args);
     ep_rtc_report(args->valid, 0, answer(&q, o, c, counters));
 }
 
@@ -151,14 +155,16 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
 
 static __attribute__((noinline)) void occluded_packet(const struct RTCOccludedFunctionNArguments *args)
 {
-    const ep_query q = occluded_query(args);
+    ep_query q;
+    occluded_query(&q, args);
     ep_visit(&q, args->valid);
 }
 
 static __attribute__((noinline)) void occluded_found(const struct RTCOccludedFunctionNArguments *args, ep_outcome o,
                                                      ep_candidates *c, EPCounters *counters)
 {
-    const ep_query q = occluded_query(args);
+    ep_query q;
+    occluded_query(&q, args);
     ep_rtc_report(args->valid, 0, answer(&q, o, c, counters));
 }
 

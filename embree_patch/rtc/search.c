@@ -1,4 +1,4 @@
-/* search.c - nearly tangent rays: the roots in a leaf, cell by cell, and by subdivision in double.
+/* search.c - nearly tangent rays: the roots in a leaf, all at once, cell by cell, or by subdivision in double.
  *
  * SPDX-License-Identifier: Apache-2.0
  *
@@ -18,6 +18,13 @@ typedef struct known_roots {
 
 /* How exact the parameters of a root found in double are: a float's last place. */
 static const float exact_radius = 0x1p-24f;
+
+/* How far the patch's parameters move when a leaf coordinate moves by one. */
+static float extent_of(const ep_leaf *leaf)
+{
+    const float *d = leaf->domain;
+    return fmaxf(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
+}
 
 /* One ray's. */
 typedef struct search {
@@ -136,8 +143,7 @@ static void look_closer(search *s, float from, float to, unsigned round)
 static void take_cells(search *s, const ep_cells *cells, unsigned first, float from, float to, unsigned round)
 {
     const float length = (to - from) / EP_CELLS;
-    const float *d = s->lane.query.leaf->domain;
-    const float extent = fmaxf(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
+    const float extent = extent_of(s->lane.query.leaf);
     for (unsigned k = 0; k < EP_CELLS && !is_done(s); ++k) {
         const unsigned at = first + k;
         const double t = (double)cells->middle[at], rounding = 0x1p-22 * fabs(t); /* cells are given in float */
@@ -158,13 +164,72 @@ static void take_cells(search *s, const ep_cells *cells, unsigned first, float f
     }
 }
 
+static void swap_roots(unsigned n, unsigned lane, ep_candidates c[2])
+{
+    const float t = c[0].t[lane];
+    c[0].t[lane] = c[1].t[lane];
+    c[1].t[lane] = t;
+    for (unsigned f = 0; f < 5; ++f) {
+        const float field = c[0].hit[f * n + lane];
+        c[0].hit[f * n + lane] = c[1].hit[f * n + lane];
+        c[1].hit[f * n + lane] = field;
+    }
+}
+
+/* Finds vague roots again in double; lanes where one is lost are open. */
+static void polish_roots(const ep_query *q, ep_roots *roots, ep_candidates c[2], float extent)
+{
+    for (unsigned k = 0; k < 2; ++k)
+        for (uint32_t rest = roots->vague[k] & ~roots->open; rest; rest &= rest - 1) {
+            const unsigned lane = (unsigned)__builtin_ctz(rest);
+            const ep_polished found = ep_polish_candidate(q, lane, &c[k]);
+            if (found == EP_POLISHED) roots->radius[k][lane] = exact_radius / extent;
+            else roots->hit[k] &= ~(1u << lane);
+            if (found == EP_POLISHED_LOST) roots->open |= 1u << lane;
+        }
+}
+
+/* Where a ray has two roots the nearer one becomes the first, or the only one if they are the same. */
+static void order_roots(unsigned n, ep_roots *roots, ep_candidates c[2], float extent)
+{
+    for (uint32_t rest = roots->hit[0] & roots->hit[1]; rest; rest &= rest - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(rest);
+        const float near = extent * (roots->radius[0][lane] + roots->radius[1][lane]);
+        const float *a = &c[0].hit[EP_HIT_U * n + lane], *b = &c[1].hit[EP_HIT_U * n + lane];
+        if (fabsf(a[0] - b[0]) <= near && fabsf(a[n] - b[n]) <= near) roots->hit[1] &= ~(1u << lane);
+        else if (c[1].t[lane] < c[0].t[lane]) swap_roots(n, lane, c);
+    }
+}
+
+/* Offers the roots of rays that the kernel has decided, and returns the others. */
+static uint32_t take_roots(const ep_query *q, uint32_t slow, uint32_t *accepted)
+{
+    ep_candidates c[2];
+    ep_roots roots = {.t = {c[0].t, c[1].t}, .hits = {c[0].hit, c[1].hit}};
+    const float extent = extent_of(q->leaf);
+    q->geometry->kernels->tangent[q->leaf->shape](q->leaf, q->net, q->ray, q->n, slow, &roots);
+    polish_roots(q, &roots, c, extent);
+    order_roots(q->n, &roots, c, extent);
+    for (unsigned k = 0; k < 2; ++k) {
+        uint32_t front = roots.hit[k] & ~roots.open;
+        if (!q->intersect) front &= ~*accepted; /* any hit answers */
+        for (uint32_t rest = front; rest; rest &= rest - 1) {
+            const unsigned lane = (unsigned)__builtin_ctz(rest);
+            if (!ep_in_front(q, lane, &c[k])) front &= ~(1u << lane);
+        }
+        if (front) *accepted |= ep_offer(q, front, &c[k]);
+    }
+    return roots.open;
+}
+
 uint32_t ep_search(const ep_query *q, uint32_t slow, EPCounters *counters)
 {
     enum { RAYS = EP_PACKET / EP_CELLS };
     static const float begin[RAYS] = {-1, -1, -1, -1}, end[RAYS] = {1, 1, 1, 1};
     uint32_t accepted = 0;
-    /* where the parametrisation folds or collapses, cells cannot decide either */
+    /* where the parametrisation folds or collapses, kernels cannot decide */
     const bool cut = q->leaf->height < INFINITY && q->leaf->stretch < EP_STRETCH;
+    if (cut) slow = take_roots(q, slow, &accepted);
     while (slow) {
         unsigned lanes[RAYS], count = 0;
         for (; slow && count < RAYS; slow &= slow - 1) lanes[count++] = (unsigned)__builtin_ctz(slow);

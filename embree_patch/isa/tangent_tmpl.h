@@ -1,0 +1,83 @@
+/* tangent_tmpl.h - rays that may meet a leaf twice, or hardly: the packet kernel's slow ones, one ray a lane.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * As in packet_tmpl.h, but a neighbourhood that does not shrink is folded (fold_tmpl.h), and of two the second waits.
+ * Nearly every ray is decided by two evaluations; what is still open is cut into cells (cells_tmpl.h). */
+
+/* Where iteration begins: one neighbourhood for each part of the way that the graph's equation leaves. Returns how far
+ * from the plane roots are at most. */
+EP_INLINE w_f w_begin(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, w_3 o)
+{
+    const w_f one = w_set(1.0f), half = w_set(0.5f);
+    const w_graph g = w_meet_graph(leaf, v, triangle, o);
+    const w_parts parts = w_quadratic(g.c0, g.c1, g.c2, g.p, w_set(0.0f), w_lt(v->inverse, w_set(0.0f)));
+    w_f first = -g.high, last = g.high;
+    w_clip_domain(triangle, v->s, v->t, v->p_s, v->p_t, w_set(leaf->side) + g.e_st + w_set(0x1p-20f), &first, &last);
+    w_near near[2];
+    for (int k = 0; k < 2; ++k) {
+        const w_f from = w_max(parts.from[k], first), to = w_min(parts.to[k], last);
+        const w_f tau = half * (from + to), h = w_fma(half, to - from, w_set(0x1p-20f) * (w_abs(from) + w_abs(to)));
+        w_f x[2];
+        const w_f off =
+            w_above(leaf, triangle, w_fma(v->p_s, tau, v->s), w_fma(v->p_t, tau, v->t), w_fma(g.p_max, h, g.e_st), x);
+        near[k].none = w_or(w_lt(to, from), w_lt(off, w_outside(triangle, x[0], x[1])));
+        w_clamp(triangle, &x[0], &x[1]);
+        near[k].s = x[0];
+        near[k].t = x[1];
+        near[k].radius = w_min(off, one);
+    }
+    near[1].none = w_or(near[1].none, w_andnot(v->live, parts.two));
+    const w_m left = w_andnot(v->live, w_or(parts.none, w_and(near[0].none, near[1].none)));
+    v->live = w_mask(0);
+    w_go_on(v, wait, near, left);
+    return g.high;
+}
+
+EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays, uint32_t active,
+                         ep_roots *out, int triangle, unsigned m, unsigned n, int rational)
+{
+    out->hit[0] = out->hit[1] = out->vague[0] = out->vague[1] = out->open = 0;
+    for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES) {
+        const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
+        if (!lanes) continue;
+        w_f org[3], dir[3], o[3], near[3];
+        for (int c = 0; c < 3; ++c) {
+            org[c] = w_load(ray + (EP_RAY_ORG + (unsigned)c) * rays, rays - base);
+            dir[c] = w_load(ray + (EP_RAY_DIR + (unsigned)c) * rays, rays - base);
+        }
+        w_relative(leaf, org, o);
+        for (int c = 0; c < 3; ++c) near[c] = o[c] - w_set(leaf->centre_low[c]);
+        const w_f tnear = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
+        const w_f tfar = w_load(ray + EP_RAY_TFAR * rays, rays - base);
+        const w_f d_sum = (w_abs(dir[0]) + w_abs(dir[1])) + w_abs(dir[2]);
+        w_visit v =
+            w_enter(leaf, triangle, w_to_leaf(leaf, near), w_to_leaf(leaf, dir), d_sum, tnear, tfar, w_mask(lanes));
+        w_stack wait = w_empty();
+        const w_f height = w_begin(leaf, &v, &wait, triangle, w_move(leaf, org, o, dir, v.t_plane));
+        uint32_t live = w_bits(v.live), hit[2] = {0, 0};
+        while (live) {
+            const w_jet jet = w_jet_at(net, &v, triangle, m, n, rational);
+            const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
+            const w_step step = w_advance(leaf, &v, triangle, &jet);
+            if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, height, step.stuck);
+            const w_f t = w_fma(step.height, v.inverse, v.t_plane);
+            const uint32_t found = w_bits(w_and(step.hit, w_nearly(&step, v.t_plane, t, tnear, tfar)));
+            const uint32_t slot[2] = {found & ~hit[0], found & hit[0]};
+            v.slow = w_or(v.slow, w_mask(found & hit[1])); /* three roots in a leaf */
+            for (unsigned k = 0; k < 2; ++k) {
+                const uint32_t bits = slot[k];
+                if (!bits) continue;
+                hit[k] |= bits;
+                out->vague[k] |= w_bits(w_and(w_mask(bits), step.vague)) << base;
+                w_store(out->radius[k] + base, bits, step.radius);
+                w_store(out->t[k] + base, bits, t);
+                w_put_hit(leaf, triangle, &jet, &step, out->hits[k] + base, rays, bits);
+            }
+            w_next(&v, &wait, w_mask(~0u));
+            live = w_bits(v.live);
+        }
+        out->open |= w_bits(v.slow) << base;
+        for (unsigned k = 0; k < 2; ++k) out->hit[k] |= hit[k] << base;
+    }
+}
