@@ -10,7 +10,7 @@ static size_t bytes_of(EPGeometry g)
     return sizeof(ep_demand) + g->hierarchy.patch_count * sizeof(_Atomic(ep_built *));
 }
 
-ep_demand *ep_demand_for(EPGeometry g, RTCDevice device, void (*release)(RTCScene))
+ep_demand *ep_demand_for(EPGeometry g, RTCDevice device, const ep_embree *embree)
 {
     for (ep_demand *d = g->demands; d; d = d->next)
         if (d->device == device) return d;
@@ -18,7 +18,8 @@ ep_demand *ep_demand_for(EPGeometry g, RTCDevice device, void (*release)(RTCScen
     if (!d) return NULL;
     d->geometry = g;
     d->device = device;
-    d->release = release;
+    d->embree = embree;
+    embree->retain_device(device);
     d->next = g->demands;
     for (size_t i = 0; i < g->hierarchy.patch_count; ++i) atomic_init(&d->built[i], NULL);
     return g->demands = d;
@@ -27,7 +28,7 @@ ep_demand *ep_demand_for(EPGeometry g, RTCDevice device, void (*release)(RTCScen
 void ep_built_free(const ep_demand *d, ep_built *b)
 {
     if (!b) return;
-    if (b->scene) d->release(b->scene);
+    if (b->scene) d->embree->release_scene(b->scene);
     b->hierarchy.patches = NULL;
     b->hierarchy.trims = NULL;
     ep_hierarchy_free(&b->hierarchy);
@@ -56,6 +57,7 @@ void ep_demand_free(EPGeometry g)
     ep_demand_clear(g);
     for (ep_demand *d = g->demands, *next; d; d = next) {
         next = d->next;
+        d->embree->release_device(d->device);
         ep_free(d);
     }
     g->demands = NULL;

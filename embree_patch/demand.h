@@ -21,17 +21,24 @@ typedef struct ep_built {
     RTCScene scene;         /* over the leaves; NULL: the trim has left none */
 } ep_built;
 
-/* What is built of a geometry for a device: Embree's scenes belong to one. */
+/* What this layer needs of Embree. */
+typedef struct ep_embree {
+    void (*retain_device)(RTCDevice);
+    void (*release_device)(RTCDevice);
+    void (*release_scene)(RTCScene);
+} ep_embree;
+
+/* What is built of a geometry for a device: Embree's scenes belong to one, which stays as long as this. */
 typedef struct ep_demand {
     EPGeometry geometry;
     RTCDevice device;
-    void (*release)(RTCScene);
+    const ep_embree *embree;
     struct ep_demand *next; /* for another device */
     _Atomic(ep_built *) built[];
 } ep_demand;
 
-/* That of a geometry for a device, new or not; NULL: no memory. `release` gives scenes back to Embree. */
-ep_demand *ep_demand_for(EPGeometry g, RTCDevice device, void (*release)(RTCScene));
+/* That of a geometry for a device, new or not; NULL: no memory. */
+ep_demand *ep_demand_for(EPGeometry g, RTCDevice device, const ep_embree *embree);
 
 /* What is there of a patch; NULL: nothing yet. */
 static inline const ep_built *ep_demand_get(const ep_demand *d, uint32_t patch)

@@ -211,8 +211,9 @@ RTCGeometry epNewRTCGeometry(EPGeometry g, RTCDevice device)
                 g->committed ? "epRefitGeometry or epCommitGeometry" : "epCommitGeometry");
         return NULL;
     }
+    static const ep_embree embree = {rtcRetainDevice, rtcReleaseDevice, rtcReleaseScene};
     void *user = g;
-    if (g->on_demand && !(user = ep_demand_for(g, device, rtcReleaseScene))) {
+    if (g->on_demand && !(user = ep_demand_for(g, device, &embree))) {
         ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->hierarchy.patch_count);
         return NULL;
     }
