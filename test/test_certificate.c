@@ -263,9 +263,10 @@ static void check_single(const visit *v, const root *roots, size_t count, tally 
     }
 }
 
-/* What the tangent kernel says of any ray: each hit is a root, and all roots are among them. */
+/* What the tangent kernel says of any ray: each hit is a root, and all roots behind tnear are among them. */
 static void check_tangent(const visit *v, const root *roots, size_t count, tally *tally)
 {
+    const double tnear = v->ray[EP_RAY_TNEAR];
     float k[2][EP_PACKET], hits[2][5 * EP_PACKET];
     ep_roots out = {.t = {k[0], k[1]}, .hits = {hits[0], hits[1]}};
     v->kernels->tangent[v->piece.leaf->shape](v->piece.leaf, v->net, v->ray, 1, 1, &out);
@@ -277,7 +278,7 @@ static void check_tangent(const visit *v, const root *roots, size_t count, tally
             check_hit(v, k[slot][0], hits[slot], out.radius[slot][0], way_of(v), tally);
     }
     for (size_t i = 0; i < count; ++i) {
-        bool answered = false;
+        bool answered = roots[i].k - tnear <= 0x1p-22 * roots[i].k;
         for (unsigned slot = 0; slot < 2; ++slot) {
             if (!out.hit[slot]) continue;
             float t = k[slot][0], hit[5];
@@ -515,6 +516,10 @@ static void check_patch(uint64_t index, family family, tally *tally)
         float from[EP_PACKET / EP_CELLS], to[EP_PACKET / EP_CELLS];
         check_single(&v, roots, count, tally);
         check_tangent(&v, roots, count, tally);
+        visit later = v; /* from next to a root, or from within the prism */
+        const root *near = &roots[rng_below(&r, (unsigned)count)];
+        later.ray[EP_RAY_TNEAR] = (float)fmax(0, near->k - rng_scale(&r, 1e-6, 1) * way_of(&v));
+        check_tangent(&later, roots, count, tally);
         choose_cells(&v, &r, &roots[rng_below(&r, (unsigned)count)], from, to);
         check_cells(&v, roots, count, from, to, tally);
     }

@@ -116,13 +116,13 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         const w_m fresh = v.live;
         v.live = w_mask(0);
         const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
-        w_fold(leaf, &v, &wait, triangle, &here, &jet, height, fresh);
+        w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, fresh);
         uint32_t live = w_bits(v.live), hit = 0;
         while (live) {
             jet = w_jet_at(net, &v, triangle, m, n, rational);
             const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
             const w_step step = w_advance(leaf, &v, triangle, &jet);
-            if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, height, step.stuck);
+            if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, step.stuck);
             const w_f t = middle + w_fma(step.height, v.inverse, cell);
             const w_m found = w_and(step.hit, w_nearly(&step, middle, t, tnear, tfar));
             const uint32_t bits = w_bits(found);

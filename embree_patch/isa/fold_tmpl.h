@@ -191,11 +191,11 @@ EP_INLINE void w_next(w_visit *v, w_stack *wait, w_m done)
     }
 }
 
-/* For the lanes in `stuck`, whose neighbourhood `here` does not shrink, `j` being the jet there, and roots with |tau|
- * <= `height`: goes on with what is left of it, the nearer part along the ray first. Lanes without any leave; those
- * that this does not help are slow. */
+/* For the lanes in `stuck`, whose neighbourhood `here` does not shrink, `j` being the jet there, and roots with tau
+ * between `first` and `last`: goes on with what is left of it, the nearer part along the ray first. Lanes without any
+ * leave; those that this does not help are slow. */
 EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, const w_near *here, const w_jet *j,
-                      w_f height, w_m stuck)
+                      w_f first, w_f last, w_m stuck)
 {
     const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f), outward = w_set(EP_OUTWARD);
     const w_f little = w_set(0x1p-20f);
@@ -233,8 +233,8 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
 
     /* l is within q of the domain, and of the old neighbourhood */
     w_f q = i * w_fma(bend_st, half * outward * (f.e * f.e), noise_st);
-    f.from = -height - near;
-    f.to = height - near;
+    f.from = first - near;
+    f.to = last - near;
     const w_f slack = q + w_fma(little, d0, little);
     w_clip_domain(triangle, f.s + f.d0[0], f.t + f.d0[1], f.a[0], f.a[1], slack, &f.from, &f.to);
     w_clip_slab(f.d0[0], f.a[0], -f.e - slack, f.e + slack, &f.from, &f.to);

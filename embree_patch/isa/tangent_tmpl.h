@@ -5,18 +5,32 @@
  * As in packet_tmpl.h, but a neighbourhood that does not shrink is folded (fold_tmpl.h), and of two the second waits.
  * Nearly every ray is decided by two evaluations; what is still open is cut into cells (cells_tmpl.h). */
 
-/* Where iteration begins: one neighbourhood for each part of the way that the graph's equation leaves. Returns how far
- * from the plane roots are at most. */
-EP_INLINE w_f w_begin(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, w_3 o)
+/* Narrows [*from, *to] in height to what is not before tnear: t = t_plane + tau / (direction's height), whose rounding
+ * over the way through the prism is in noise_h. Half of a leaf's prism is behind a ray that starts on it. */
+EP_INLINE void w_clip_near(const w_visit *v, w_f tnear, w_f *from, w_f *to)
+{
+    const w_f start = (tnear - v->t_plane) / v->inverse, terms = (w_abs(tnear) + w_abs(v->t_plane)) / w_abs(v->inverse);
+    const w_f slack = w_fma(w_set(EP_TERMS), terms, v->noise_h + v->noise_h);
+    const w_m up = w_lt(w_set(0.0f), v->inverse);
+    *from = w_select(up, w_max(start - slack, *from), *from);
+    *to = w_select(up, *to, w_min(start + slack, *to));
+}
+
+/* Where iteration begins: one neighbourhood for each part of the way that the graph's equation leaves. Roots are
+ * between *first and *last above the plane. */
+EP_INLINE void w_begin(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, w_3 o, w_f tnear, w_f *first,
+                       w_f *last)
 {
     const w_f one = w_set(1.0f), half = w_set(0.5f);
     const w_graph g = w_meet_graph(leaf, v, triangle, o);
     const w_parts parts = w_quadratic(g.c0, g.c1, g.c2, g.p, w_set(0.0f), w_lt(v->inverse, w_set(0.0f)));
-    w_f first = -g.high, last = g.high;
-    w_clip_domain(triangle, v->s, v->t, v->p_s, v->p_t, w_set(leaf->side) + g.e_st + w_set(0x1p-20f), &first, &last);
+    *first = -g.high;
+    *last = g.high;
+    w_clip_domain(triangle, v->s, v->t, v->p_s, v->p_t, w_set(leaf->side) + g.e_st + w_set(0x1p-20f), first, last);
+    w_clip_near(v, tnear, first, last);
     w_near near[2];
     for (int k = 0; k < 2; ++k) {
-        const w_f from = w_max(parts.from[k], first), to = w_min(parts.to[k], last);
+        const w_f from = w_max(parts.from[k], *first), to = w_min(parts.to[k], *last);
         const w_f tau = half * (from + to), h = w_fma(half, to - from, w_set(0x1p-20f) * (w_abs(from) + w_abs(to)));
         w_f x[2];
         const w_f off =
@@ -31,7 +45,6 @@ EP_INLINE w_f w_begin(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
     const w_m left = w_andnot(v->live, w_or(parts.none, w_and(near[0].none, near[1].none)));
     v->live = w_mask(0);
     w_go_on(v, wait, near, left);
-    return g.high;
 }
 
 EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays, uint32_t active,
@@ -54,13 +67,14 @@ EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray
         w_visit v =
             w_enter(leaf, triangle, w_to_leaf(leaf, near), w_to_leaf(leaf, dir), d_sum, tnear, tfar, w_mask(lanes));
         w_stack wait = w_empty();
-        const w_f height = w_begin(leaf, &v, &wait, triangle, w_move(leaf, org, o, dir, v.t_plane));
+        w_f first, last;
+        w_begin(leaf, &v, &wait, triangle, w_move(leaf, org, o, dir, v.t_plane), tnear, &first, &last);
         uint32_t live = w_bits(v.live), hit[2] = {0, 0};
         while (live) {
             const w_jet jet = w_jet_at(net, &v, triangle, m, n, rational);
             const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
             const w_step step = w_advance(leaf, &v, triangle, &jet);
-            if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, height, step.stuck);
+            if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, first, last, step.stuck);
             const w_f t = w_fma(step.height, v.inverse, v.t_plane);
             const uint32_t found = w_bits(w_and(step.hit, w_nearly(&step, v.t_plane, t, tnear, tfar)));
             const uint32_t slot[2] = {found & ~hit[0], found & hit[0]};
