@@ -35,13 +35,13 @@ static inline void last_points(const ep_point *p, size_t stride, unsigned n, dou
     memcpy(out, q, 3 * sizeof *out);
 }
 
-/* Value, first and second derivative of a curve of degree n from its last points: n(n-1) times their second difference,
- * n times the first of what is next. */
+/* Value, first and second derivative of a curve of degree n >= 1 from its last points: n(n-1) times their second
+ * difference, n times the first of what is next. */
 static inline void last_jet(const ep_point p[3], unsigned n, double t, ep_point d0, ep_point d1, ep_point d2)
 {
     ep_point a, b;
     memcpy(a, p[0], sizeof a);
-    memcpy(b, p[n > 0], sizeof b);
+    memcpy(b, p[1], sizeof b);
     for (int c = 0; c < 4; ++c) d2[c] = n < 2 ? 0 : n * (n - 1.0) * (p[2][c] - 2 * p[1][c] + p[0][c]);
     if (n > 1) {
         lerp(a, p[0], p[1], t);

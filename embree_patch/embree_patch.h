@@ -286,7 +286,7 @@ typedef struct EPCounters {
     uint64_t visits;      /* a ray entered a leaf                                                */
     uint64_t solves;      /* ... was not culled by its prism, so that iteration began            */
     uint64_t evaluations; /* of a surface, in those iterations                                   */
-    uint64_t cells;       /* visits decided by the grazing-ray test on the spot                  */
+    uint64_t cells;       /* grazing visits whose way through the leaf was cut into cells        */
     uint64_t slow;        /* visits decided by subdivision                                       */
 } EPCounters;
 /* Sum over all threads; exact while no query runs. */

@@ -87,6 +87,13 @@ static inline unsigned ep_leaf_stride(const ep_leaf *leaf)
     return leaf->rational ? 4 : 3;
 }
 
+/* How far the patch's parameters move when a leaf coordinate moves by one. */
+static inline float ep_leaf_extent(const ep_leaf *leaf)
+{
+    const float *d = leaf->domain;
+    return fmaxf(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
+}
+
 /* Degrees 1 to 4, the same both ways, have kernels of their own; shape 0 of each block takes any. */
 enum { EP_SPECIAL_DEGREES = 4, EP_SHAPES = 4 * (EP_SPECIAL_DEGREES + 1) };
 

@@ -115,12 +115,12 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         /* advance would not decide: the whole leaf's certificate has not */
         const w_m fresh = v.live;
         v.live = w_mask(0);
-        const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
+        w_near here = w_here(&v);
         w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, fresh);
         uint32_t live = w_bits(v.live), hit = 0;
         while (live) {
             jet = w_jet_at(net, &v, triangle, m, n, rational);
-            const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
+            here = w_here(&v);
             const w_step step = w_advance(leaf, &v, triangle, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, step.stuck);
             const w_f t = middle + w_fma(step.height, v.inverse, cell);

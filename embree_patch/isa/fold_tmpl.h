@@ -45,7 +45,7 @@ EP_INLINE w_f w_form(const w_f k[3], const w_f x[2], const w_f y[2])
 /* Narrows [*from, *to] to where x + k d is between `low` and `high`. */
 EP_INLINE void w_clip_slab(w_f x, w_f d, w_f low, w_f high, w_f *from, w_f *to)
 {
-    /* not along it: what is divided by might be rounding, and all of the way is kept */
+    /* along the slab, or all but, the quotients say nothing and all of the way is kept */
     const w_m across = w_lt(w_set(0x1p-100f), w_abs(d));
     const w_f inverse = w_set(1.0f) / d, a = (low - x) * inverse, b = (high - x) * inverse;
     *from = w_select(across, w_max(w_min(a, b), *from), *from);
@@ -99,6 +99,12 @@ typedef struct w_near {
     w_f s, t, radius;
     w_m none; /* certainly no root there */
 } w_near;
+
+/* The one that a ray is at. */
+EP_INLINE w_near w_here(const w_visit *v)
+{
+    return (w_near){v->s, v->t, v->radius, w_mask(0)};
+}
 
 /* What the neighbourhoods of both parts share. */
 typedef struct w_folded {

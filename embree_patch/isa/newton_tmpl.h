@@ -296,7 +296,7 @@ EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f
 }
 
 /* The surface's own jet, and with it the improved Newton point c' and what follows from it. Lanes that it decides leave
- * v->live; `hit` are those with a root, at (s, t) and `distance` along the ray from the moved origin. */
+ * v->live; `hit` are those with a root, at (s, t) and `height` above the moved origin. */
 EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, const w_jet *j)
 {
     w_step r;

@@ -33,6 +33,28 @@ EP_INLINE w_3 w_move(const ep_leaf *leaf, const w_f *org, const w_f *o, const w_
     return w_to_leaf(leaf, moved);
 }
 
+/* Rays, one a lane, and their origins less the leaf's centre. */
+typedef struct w_rays {
+    w_f org[3], dir[3], o[3], tnear, tfar;
+} w_rays;
+
+/* Loads the next rays of a packet of `rays`, of which there are `left`, and has them enter the leaf. */
+EP_INLINE w_visit w_arrive(const ep_leaf *leaf, int triangle, const float *ray, unsigned rays, unsigned left,
+                           w_m active, w_rays *r)
+{
+    w_f near[3];
+    for (int c = 0; c < 3; ++c) {
+        r->org[c] = w_load(ray + (EP_RAY_ORG + (unsigned)c) * rays, left);
+        r->dir[c] = w_load(ray + (EP_RAY_DIR + (unsigned)c) * rays, left);
+    }
+    w_relative(leaf, r->org, r->o);
+    for (int c = 0; c < 3; ++c) near[c] = r->o[c] - w_set(leaf->centre_low[c]);
+    r->tnear = w_load(ray + EP_RAY_TNEAR * rays, left);
+    r->tfar = w_load(ray + EP_RAY_TFAR * rays, left);
+    const w_f d_sum = (w_abs(r->dir[0]) + w_abs(r->dir[1])) + w_abs(r->dir[2]);
+    return w_enter(leaf, triangle, w_to_leaf(leaf, near), w_to_leaf(leaf, r->dir), d_sum, r->tnear, r->tfar, active);
+}
+
 /* The jet of S - o at (v->s, v->t). */
 EP_INLINE w_jet w_jet_at(const float *net, const w_visit *v, int triangle, unsigned m, unsigned n, int rational)
 {
@@ -79,23 +101,13 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
     for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES, t_out += EP_LANES, hit_out += EP_LANES) {
         const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
-        w_f org[3], dir[3], o[3], near[3];
-        for (int c = 0; c < 3; ++c) {
-            org[c] = w_load(ray + (EP_RAY_ORG + (unsigned)c) * rays, rays - base);
-            dir[c] = w_load(ray + (EP_RAY_DIR + (unsigned)c) * rays, rays - base);
-        }
-        w_relative(leaf, org, o);
-        for (int c = 0; c < 3; ++c) near[c] = o[c] - w_set(leaf->centre_low[c]);
-        const w_f tnear = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
-        const w_f tfar = w_load(ray + EP_RAY_TFAR * rays, rays - base);
-        const w_f d_sum = (w_abs(dir[0]) + w_abs(dir[1])) + w_abs(dir[2]);
-        w_visit visit =
-            w_enter(leaf, triangle, w_to_leaf(leaf, near), w_to_leaf(leaf, dir), d_sum, tnear, tfar, w_mask(lanes));
+        w_rays r;
+        w_visit visit = w_arrive(leaf, triangle, ray, rays, rays - base, w_mask(lanes), &r);
         counters->visits += (unsigned)__builtin_popcount(lanes);
         uint32_t live = w_bits(visit.live), hit = 0;
         counters->solves += (unsigned)__builtin_popcount(live | w_bits(visit.slow));
         if (live) {
-            w_start(leaf, &visit, triangle, w_move(leaf, org, o, dir, visit.t_plane), tnear);
+            w_start(leaf, &visit, triangle, w_move(leaf, r.org, r.o, r.dir, visit.t_plane), r.tnear);
             live = w_bits(visit.live);
         }
         while (live) {

@@ -54,29 +54,19 @@ EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray
     for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES) {
         const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
-        w_f org[3], dir[3], o[3], near[3];
-        for (int c = 0; c < 3; ++c) {
-            org[c] = w_load(ray + (EP_RAY_ORG + (unsigned)c) * rays, rays - base);
-            dir[c] = w_load(ray + (EP_RAY_DIR + (unsigned)c) * rays, rays - base);
-        }
-        w_relative(leaf, org, o);
-        for (int c = 0; c < 3; ++c) near[c] = o[c] - w_set(leaf->centre_low[c]);
-        const w_f tnear = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
-        const w_f tfar = w_load(ray + EP_RAY_TFAR * rays, rays - base);
-        const w_f d_sum = (w_abs(dir[0]) + w_abs(dir[1])) + w_abs(dir[2]);
-        w_visit v =
-            w_enter(leaf, triangle, w_to_leaf(leaf, near), w_to_leaf(leaf, dir), d_sum, tnear, tfar, w_mask(lanes));
+        w_rays r;
+        w_visit v = w_arrive(leaf, triangle, ray, rays, rays - base, w_mask(lanes), &r);
         w_stack wait = w_empty();
         w_f first, last;
-        w_begin(leaf, &v, &wait, triangle, w_move(leaf, org, o, dir, v.t_plane), tnear, &first, &last);
+        w_begin(leaf, &v, &wait, triangle, w_move(leaf, r.org, r.o, r.dir, v.t_plane), r.tnear, &first, &last);
         uint32_t live = w_bits(v.live), hit[2] = {0, 0};
         while (live) {
             const w_jet jet = w_jet_at(net, &v, triangle, m, n, rational);
-            const w_near here = {.s = v.s, .t = v.t, .radius = v.radius};
+            const w_near here = w_here(&v);
             const w_step step = w_advance(leaf, &v, triangle, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, first, last, step.stuck);
             const w_f t = w_fma(step.height, v.inverse, v.t_plane);
-            const uint32_t found = w_bits(w_and(step.hit, w_nearly(&step, v.t_plane, t, tnear, tfar)));
+            const uint32_t found = w_bits(w_and(step.hit, w_nearly(&step, v.t_plane, t, r.tnear, r.tfar)));
             const uint32_t slot[2] = {found & ~hit[0], found & hit[0]};
             v.slow = w_or(v.slow, w_mask(found & hit[1])); /* three roots in a leaf */
             for (unsigned k = 0; k < 2; ++k) {

@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* What the single-ray kernel loads at once is stored at once: from several stores it could not be forwarded. */
+/* Loads wait for stores that they overlap but in part. So what the single-ray kernel loads at once is stored at once
+ * below, and the query, which has just been written member by member, copied like that. */
 typedef float quad __attribute__((vector_size(16), may_alias));
 
 void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one)
@@ -120,8 +121,7 @@ static bool is_inside(const ep_query *q, unsigned lane, const ep_candidates *c)
 static uint32_t inside(const ep_query *q, uint32_t mask, const ep_candidates *c)
 {
     const ep_hierarchy *h = q->hierarchy;
-    const float *d = q->leaf->domain;
-    const double extent = fmax(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
+    const double extent = ep_leaf_extent(q->leaf);
     uint32_t open,
         in = ep_trim_sift(h->trims[q->leaf->patch], h->crossed, q->leaf->trim - 1, q->n, c->hit + EP_HIT_U * q->n,
                           c->hit + EP_HIT_V * q->n, mask, 0x1p-14 * extent + 0x1p-23, &open);

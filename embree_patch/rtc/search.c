@@ -19,13 +19,6 @@ typedef struct known_roots {
 /* How exact the parameters of a root found in double are: a float's last place. */
 static const float exact_radius = 0x1p-24f;
 
-/* How far the patch's parameters move when a leaf coordinate moves by one. */
-static float extent_of(const ep_leaf *leaf)
-{
-    const float *d = leaf->domain;
-    return fmaxf(fabsf(d[2]) + fabsf(d[4]), fabsf(d[3]) + fabsf(d[5]));
-}
-
 /* One ray's. */
 typedef struct search {
     ep_lane lane;
@@ -143,7 +136,7 @@ static void look_closer(search *s, float from, float to, unsigned round)
 static void take_cells(search *s, const ep_cells *cells, unsigned first, float from, float to, unsigned round)
 {
     const float length = (to - from) / EP_CELLS;
-    const float extent = extent_of(s->lane.query.leaf);
+    const float extent = ep_leaf_extent(s->lane.query.leaf);
     for (unsigned k = 0; k < EP_CELLS && !is_done(s); ++k) {
         const unsigned at = first + k;
         const double t = (double)cells->middle[at], rounding = 0x1p-22 * fabs(t); /* cells are given in float */
@@ -206,7 +199,7 @@ static uint32_t take_roots(const ep_query *q, uint32_t slow, uint32_t *accepted)
 {
     ep_candidates c[2];
     ep_roots roots = {.t = {c[0].t, c[1].t}, .hits = {c[0].hit, c[1].hit}};
-    const float extent = extent_of(q->leaf);
+    const float extent = ep_leaf_extent(q->leaf);
     q->geometry->kernels->tangent[q->leaf->shape](q->leaf, q->net, q->ray, q->n, slow, &roots);
     polish_roots(q, &roots, c, extent);
     order_roots(q->n, &roots, c, extent);
