@@ -42,26 +42,6 @@ EP_INLINE w_f w_form(const w_f k[3], const w_f x[2], const w_f y[2])
     return w_fma(k[2], x[1] * y[1], w_fma(k[1], w_fma(x[0], y[1], x[1] * y[0]), k[0] * (x[0] * y[0])));
 }
 
-/* Narrows [*from, *to] to where x + k d is between `low` and `high`. */
-EP_INLINE void w_clip_slab(w_f x, w_f d, w_f low, w_f high, w_f *from, w_f *to)
-{
-    /* along the slab, or all but, the quotients say nothing and all of the way is kept */
-    const w_m across = w_lt(w_set(0x1p-100f), w_abs(d));
-    const w_f inverse = w_set(1.0f) / d, a = (low - x) * inverse, b = (high - x) * inverse;
-    *from = w_select(across, w_max(w_min(a, b), *from), *from);
-    *to = w_select(across, w_min(w_max(a, b), *to), *to);
-}
-
-/* ... and to where (s + k ds, t + k dt) is within `margin` of the domain. */
-EP_INLINE void w_clip_domain(int triangle, w_f s, w_f t, w_f ds, w_f dt, w_f margin, w_f *from, w_f *to)
-{
-    const w_f edge = w_set(triangle ? EP_THIRD : EP_HALF) + margin;
-    const w_f high = triangle ? edge + edge : edge;
-    w_clip_slab(s, ds, -edge, high, from, to);
-    w_clip_slab(t, dt, -edge, high, from, to);
-    if (triangle) w_clip_slab(s + t, ds + dt, -high, edge + margin, from, to);
-}
-
 /* Parts of a ray's way; `two`: from[1] to to[1] is another. */
 typedef struct w_parts {
     w_f from[2], to[2];

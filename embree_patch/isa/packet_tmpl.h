@@ -14,45 +14,51 @@ EP_INLINE w_3 w_to_leaf(const ep_leaf *leaf, const w_f *x)
     return (w_3){r[0], r[1], r[2]};
 }
 
-/* org - centre. */
-EP_INLINE void w_relative(const ep_leaf *leaf, const w_f *org, w_f *o)
-{
-    for (int c = 0; c < 3; ++c) o[c] = org[c] - w_set(leaf->centre[c]);
-}
-
-/* The origin moved by t, in leaf coordinates: right to two roundings of itself, however far the ray has come, because
- * the rounding of o = org - centre is put back (Knuth's two-sum). */
-EP_INLINE w_3 w_move(const ep_leaf *leaf, const w_f *org, const w_f *o, const w_f *dir, w_f t)
-{
-    w_f moved[3];
-    for (int c = 0; c < 3; ++c) {
-        const w_f back = o[c] - org[c];
-        const w_f low = ((org[c] - (o[c] - back)) - (w_set(leaf->centre[c]) + back)) - w_set(leaf->centre_low[c]);
-        moved[c] = w_fma(t, dir[c], o[c]) + low;
-    }
-    return w_to_leaf(leaf, moved);
-}
-
-/* Rays, one a lane, and their origins less the leaf's centre. */
+/* Rays, one a lane; o: org - centre, rounded. */
 typedef struct w_rays {
     w_f org[3], dir[3], o[3], tnear, tfar;
 } w_rays;
 
-/* Loads the next rays of a packet of `rays`, of which there are `left`, and has them enter the leaf. */
-EP_INLINE w_visit w_arrive(const ep_leaf *leaf, int triangle, const float *ray, unsigned rays, unsigned left,
-                           w_m active, w_rays *r)
+/* The next rays of a packet of `rays`, of which there are `left`. */
+EP_INLINE w_rays w_load_rays(const ep_leaf *leaf, const float *ray, unsigned rays, unsigned left)
+{
+    w_rays r;
+    for (unsigned c = 0; c < 3; ++c) {
+        r.org[c] = w_load(ray + (EP_RAY_ORG + c) * rays, left);
+        r.dir[c] = w_load(ray + (EP_RAY_DIR + c) * rays, left);
+        r.o[c] = r.org[c] - w_set(leaf->centre[c]);
+    }
+    r.tnear = w_load(ray + EP_RAY_TNEAR * rays, left);
+    r.tfar = w_load(ray + EP_RAY_TFAR * rays, left);
+    return r;
+}
+
+/* The origin in leaf coordinates, roughly. */
+EP_INLINE w_3 w_origin(const ep_leaf *leaf, const w_rays *r)
 {
     w_f near[3];
-    for (int c = 0; c < 3; ++c) {
-        r->org[c] = w_load(ray + (EP_RAY_ORG + (unsigned)c) * rays, left);
-        r->dir[c] = w_load(ray + (EP_RAY_DIR + (unsigned)c) * rays, left);
-    }
-    w_relative(leaf, r->org, r->o);
     for (int c = 0; c < 3; ++c) near[c] = r->o[c] - w_set(leaf->centre_low[c]);
-    r->tnear = w_load(ray + EP_RAY_TNEAR * rays, left);
-    r->tfar = w_load(ray + EP_RAY_TFAR * rays, left);
-    const w_f d_sum = (w_abs(r->dir[0]) + w_abs(r->dir[1])) + w_abs(r->dir[2]);
-    return w_enter(leaf, triangle, w_to_leaf(leaf, near), w_to_leaf(leaf, r->dir), d_sum, r->tnear, r->tfar, active);
+    return w_to_leaf(leaf, near);
+}
+
+/* The direction's sum norm. */
+EP_INLINE w_f w_direction_sum(const w_rays *r)
+{
+    return (w_abs(r->dir[0]) + w_abs(r->dir[1])) + w_abs(r->dir[2]);
+}
+
+/* The origin moved by t, in leaf coordinates: right to two roundings of itself, however far the ray has come, because
+ * the rounding of o = org - centre is put back (Knuth's two-sum). */
+EP_INLINE w_3 w_move(const ep_leaf *leaf, const w_rays *r, w_f t)
+{
+    w_f moved[3];
+    for (int c = 0; c < 3; ++c) {
+        const w_f back = r->o[c] - r->org[c];
+        const w_f low =
+            ((r->org[c] - (r->o[c] - back)) - (w_set(leaf->centre[c]) + back)) - w_set(leaf->centre_low[c]);
+        moved[c] = w_fma(t, r->dir[c], r->o[c]) + low;
+    }
+    return w_to_leaf(leaf, moved);
 }
 
 /* The jet of S - o at (v->s, v->t). */
@@ -101,25 +107,26 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
     for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES, t_out += EP_LANES, hit_out += EP_LANES) {
         const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
-        w_rays r;
-        w_visit visit = w_arrive(leaf, triangle, ray, rays, rays - base, w_mask(lanes), &r);
+        const w_rays r = w_load_rays(leaf, ray, rays, rays - base);
+        w_visit visit = w_enter(leaf, triangle, w_origin(leaf, &r), w_to_leaf(leaf, r.dir), w_direction_sum(&r), r.tnear,
+                                r.tfar, w_mask(lanes));
         counters->visits += (unsigned)__builtin_popcount(lanes);
         uint32_t live = w_bits(visit.live), hit = 0;
         counters->solves += (unsigned)__builtin_popcount(live | w_bits(visit.slow));
         if (live) {
-            w_start(leaf, &visit, triangle, w_move(leaf, r.org, r.o, r.dir, visit.t_plane), r.tnear);
+            w_start(leaf, &visit, triangle, w_move(leaf, &r, visit.moved), r.tnear);
             live = w_bits(visit.live);
         }
         while (live) {
             const w_jet jet = w_jet_at(net, &visit, triangle, m, n, rational);
             counters->evaluations += (unsigned)__builtin_popcount(live);
-            const w_step step = w_advance(leaf, &visit, triangle, &jet);
+            const w_step step = w_advance(leaf, &visit, triangle, 0, &jet);
             visit.slow = w_or(visit.slow, step.stuck);
-            const w_f t = w_fma(step.height, visit.inverse, visit.t_plane);
+            const w_f t = w_fma(step.height, visit.inverse, visit.moved);
             const w_f after = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
             const w_f before = w_load(ray + EP_RAY_TFAR * rays, rays - base);
             const w_m within = w_and(w_lt(after, t), w_le(t, before));
-            const w_m nearly = w_nearly(&step, visit.t_plane, t, after, before);
+            const w_m nearly = w_nearly(&step, visit.moved, t, after, before);
             const w_m found = w_and(step.hit, w_or(within, w_and(step.vague, nearly)));
             const uint32_t bits = w_bits(found);
             if (bits) {

@@ -6,6 +6,7 @@
  * compiled for a newer machine can be linked in where an older one runs. */
 #include "embree_patch/kernels.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #define EP_INLINE static inline __attribute__((always_inline))
@@ -23,8 +24,10 @@ typedef f4 f4_v;
 #include "embree_patch/isa/series_tmpl.h"
 #undef X
 #include "embree_patch/isa/newton_tmpl.h"
+#include "embree_patch/isa/start_tmpl.h"
 #include "embree_patch/isa/packet_tmpl.h"
 #include "embree_patch/isa/single_tmpl.h"
+#include "embree_patch/isa/approach_tmpl.h"
 #include "embree_patch/isa/fold_tmpl.h"
 #include "embree_patch/isa/tangent_tmpl.h"
 #include "embree_patch/isa/cells_tmpl.h"

@@ -5,29 +5,18 @@
  * As in packet_tmpl.h, but a neighbourhood that does not shrink is folded (fold_tmpl.h), and of two the second waits.
  * Nearly every ray is decided by two evaluations; what is still open is cut into cells (cells_tmpl.h). */
 
-/* Narrows [*from, *to] in height to what is not before tnear: t = t_plane + tau / (direction's height), whose rounding
- * over the way through the prism is in noise_h. Half of a leaf's prism is behind a ray that starts on it. */
-EP_INLINE void w_clip_near(const w_visit *v, w_f tnear, w_f *from, w_f *to)
-{
-    const w_f start = (tnear - v->t_plane) / v->inverse, terms = (w_abs(tnear) + w_abs(v->t_plane)) / w_abs(v->inverse);
-    const w_f slack = w_fma(w_set(EP_TERMS), terms, v->noise_h + v->noise_h);
-    const w_m up = w_lt(w_set(0.0f), v->inverse);
-    *from = w_select(up, w_max(start - slack, *from), *from);
-    *to = w_select(up, *to, w_min(start + slack, *to));
-}
-
-/* Where iteration begins: one neighbourhood for each part of the way that the graph's equation leaves. Roots are
- * between *first and *last above the plane. */
-EP_INLINE void w_begin(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, w_3 o, w_f tnear, w_f *first,
+/* Where iteration begins: one neighbourhood for each part of the way that the graph's equation leaves, here with foot
+ * and height of the moved origin. Roots are between *first and *last above that. */
+EP_INLINE void w_begin(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, const w_way *way, w_f *first,
                        w_f *last)
 {
     const w_f one = w_set(1.0f), half = w_set(0.5f);
-    const w_graph g = w_meet_graph(leaf, v, triangle, o);
-    const w_parts parts = w_quadratic(g.c0, g.c1, g.c2, g.p, w_set(0.0f), w_lt(v->inverse, w_set(0.0f)));
-    *first = -g.high;
-    *last = g.high;
-    w_clip_domain(triangle, v->s, v->t, v->p_s, v->p_t, w_set(leaf->side) + g.e_st + w_set(0x1p-20f), first, last);
-    w_clip_near(v, tnear, first, last);
+    const w_f a = way->from * way->d.z, b = way->to * way->d.z, high = w_max(w_abs(a), w_abs(b));
+    *first = w_fma(w_set(-0x1p-20f), high, w_min(a, b));
+    *last = w_fma(w_set(0x1p-20f), high, w_max(a, b));
+    const w_graph g = w_meet_graph(leaf, v, triangle, v->noise_st, v->noise_h, high);
+    const w_f p = w_fma(w_set(EP_TERMS), w_abs(v->o.z), g.p);
+    const w_parts parts = w_quadratic(g.c0 - v->o.z, g.c1, g.c2, p, w_set(0.0f), w_lt(v->inverse, w_set(0.0f)));
     w_near near[2];
     for (int k = 0; k < 2; ++k) {
         const w_f from = w_max(parts.from[k], *first), to = w_min(parts.to[k], *last);
@@ -54,19 +43,20 @@ EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray
     for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES) {
         const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
-        w_rays r;
-        w_visit v = w_arrive(leaf, triangle, ray, rays, rays - base, w_mask(lanes), &r);
+        const w_rays r = w_load_rays(leaf, ray, rays, rays - base);
+        w_way way;
+        w_visit v = w_approach(leaf, triangle, &r, w_mask(lanes), &way);
         w_stack wait = w_empty();
         w_f first, last;
-        w_begin(leaf, &v, &wait, triangle, w_move(leaf, r.org, r.o, r.dir, v.t_plane), r.tnear, &first, &last);
+        w_begin(leaf, &v, &wait, triangle, &way, &first, &last);
         uint32_t live = w_bits(v.live), hit[2] = {0, 0};
         while (live) {
             const w_jet jet = w_jet_at(net, &v, triangle, m, n, rational);
             const w_near here = w_here(&v);
-            const w_step step = w_advance(leaf, &v, triangle, &jet);
+            const w_step step = w_advance(leaf, &v, triangle, 1, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, first, last, step.stuck);
-            const w_f t = w_fma(step.height, v.inverse, v.t_plane);
-            const uint32_t found = w_bits(w_and(step.hit, w_nearly(&step, v.t_plane, t, r.tnear, r.tfar)));
+            const w_f t = w_fma(step.height, v.inverse, v.moved);
+            const uint32_t found = w_bits(w_and(step.hit, w_nearly(&step, v.moved, t, r.tnear, r.tfar)));
             const uint32_t slot[2] = {found & ~hit[0], found & hit[0]};
             v.slow = w_or(v.slow, w_mask(found & hit[1])); /* three roots in a leaf */
             for (unsigned k = 0; k < 2; ++k) {
