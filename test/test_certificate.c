@@ -430,8 +430,23 @@ static void choose_place(const piece *p, rng *r, double x[2])
     for (int c = 0; c < 2; ++c) x[c] += piece_corner(p);
 }
 
+/* Leaf coordinates' first two axes in space. */
+static void plane_of(const ep_leaf *leaf, double axis[2][3])
+{
+    double det = 0;
+    for (int k = 0; k < 2; ++k)
+        for (int c = 0; c < 3; ++c) {
+            const int a = (c + 1) % 3, b = (c + 2) % 3, row = (k + 1) % 3, next = (k + 2) % 3;
+            axis[k][c] =
+                (double)leaf->frame[a][row] * leaf->frame[b][next] - (double)leaf->frame[b][row] * leaf->frame[a][next];
+            det += k ? 0 : axis[k][c] * leaf->frame[c][0];
+        }
+    for (int k = 0; k < 2; ++k)
+        for (int c = 0; c < 3; ++c) axis[k][c] /= det;
+}
+
 /* A ray through the piece's point at x; if not steep, nearly tangent more often than not, or through another point next
- * to it. */
+ * to it, or along the leaf's plane. */
 static void choose_ray(visit *v, rng *r, bool steep, const double x[2], double y[2])
 {
     const piece_jet j = piece_at(&v->piece, x[0], x[1]);
@@ -448,6 +463,10 @@ static void choose_ray(visit *v, rng *r, bool steep, const double x[2], double y
     if (!steep && rng_below(r, 2)) {
         const piece_jet k = piece_at(&v->piece, y[0], y[1]);
         for (int c = 0; c < 3; ++c) d[c] = (k.p[c] - j.p[c]) / apart;
+    } else if (!steep && !rng_below(r, 4)) {
+        double axis[2][3];
+        plane_of(v->piece.leaf, axis);
+        for (int c = 0; c < 3; ++c) d[c] = cos(angle) * axis[0][c] + sin(angle) * axis[1][c];
     }
     for (int c = 0; c < 3; ++c) {
         org[c] = (float)(j.p[c] - away * d[c]);

@@ -36,9 +36,9 @@ typedef struct w_way {
     w_3 d; /* its direction in leaf coordinates */
 } w_way;
 
-/* Rays that are no nearer to the leaf than rounding lets them seem are slow.
+/* Lanes are slow where leaf coordinates are mostly rounding.
  *
- * Where the origin is moved, in t, may be rounded, not where that is (w_move). From there a root in the prism is at |t|
+ * How far the origin is moved may be rounded, but not where that is (w_move). From there a root in the prism is at |t|
  * <= (extent + |o| + noise) / (|d| - its rounding) in the coordinate that the direction is longest in, below `limit` if
  * rounding is at most |d| / 32 and the noise extent / 64. */
 EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r, w_m active, w_way *way)
@@ -56,13 +56,14 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     v.o = w_move(leaf, r, v.moved);
     const w_f o = w_max(w_max(w_abs(v.o.x), w_abs(v.o.y)), w_abs(v.o.z)), reach = w_set(extent) + o;
     const w_f limit = w_set(1.0625f) * reach * over;
-    /* what rounding adds to a unit of way: 3 eps of the terms of d, and two of what is along the leaf in p */
+    /* What rounding adds to a unit of way: 3 eps of the terms of d, and two of what is along the leaf in p. The leaf's
+     * noise is that of the origin near the leaf; 5 eps more for each unit that `moved` has missed that by. */
     w_f terms[3];
     for (int c = 0; c < 3; ++c)
         terms[c] = w_fma(w_set(fabsf(leaf->frame[2][c])), w_abs(r->dir[2]),
                          w_fma(w_set(fabsf(leaf->frame[1][c])), w_abs(r->dir[1]),
                                w_set(fabsf(leaf->frame[0][c])) * w_abs(r->dir[0])));
-    const w_f per_st = w_set(0x1p-21f) * w_max(terms[0], terms[1]), per_h = w_set(0x1p-22f) * terms[2];
+    const w_f per_st = w_set(0x1p-21f) * w_max(terms[0], terms[1]), per_h = w_set(5 * 0x1p-24f) * terms[2];
     const w_m sane = w_and(w_le(w_set(32.0f) * w_max(per_st, per_h), size),
                            w_le(w_set(64 * fmaxf(leaf->noise_st, leaf->noise_h)), w_set(extent)));
     v.live = w_and(active, sane);
@@ -70,8 +71,9 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
 
     /* rounding of quotients is as that of what is divided */
     const w_f little = w_set(EP_TERMS) * reach;
-    const w_f side = w_fma(per_st, limit, w_set(leaf->side + leaf->noise_st)) + little;
-    const w_f height = w_fma(per_h, limit, w_set(leaf->height + leaf->noise_h)) + little;
+    const w_f astray = w_abs(w_fma(v.o.z, e.z, w_fma(v.o.y, e.y, v.o.x * e.x))) * over, most = limit + astray;
+    const w_f side = w_fma(per_st, most, w_set(leaf->side + leaf->noise_st)) + little;
+    const w_f height = w_fma(per_h, most, w_set(leaf->height + leaf->noise_h)) + little;
     way->from = -limit;
     way->to = limit;
     w_clip_slab(v.o.z, d.z, -height, height, &way->from, &way->to);
@@ -79,7 +81,7 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     way->from = w_max((r->tnear - v.moved) - w_set(EP_TERMS) * (w_abs(r->tnear) + w_abs(v.moved)), way->from);
     v.live = w_andnot(v.live, w_lt(way->to, way->from));
 
-    const w_f longest = w_max(w_abs(way->from), w_abs(way->to));
+    const w_f longest = w_max(w_abs(way->from), w_abs(way->to)) + astray;
     v.noise_st = w_fma(per_st, longest, w_set(leaf->noise_st));
     v.noise_h = w_fma(per_h, longest, w_set(leaf->noise_h + EP_LEVEL_NOISE));
     const w_f least = w_set(EP_LEVEL) * size;

@@ -57,15 +57,15 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         const w_f way = half * (through.to - through.from);
         const w_f cell = w_fma(way, w_load(centre, EP_LANES), half * (through.from + through.to));
         /* and the rounding of that */
-        const w_f reach = w_fma(way, w_load(length, EP_LANES),
-                                w_set(0x1p-20f) * w_max(w_abs(through.from), w_abs(through.to)));
+        const w_f reach =
+            w_fma(way, w_load(length, EP_LANES), w_set(0x1p-20f) * w_max(w_abs(through.from), w_abs(through.to)));
         w_store(out->middle + base, ~0u, v.moved + cell);
         w_store(out->reach + base, ~0u, reach);
         v.o.x = w_fma(cell, through.d.x, v.o.x);
         v.o.y = w_fma(cell, through.d.y, v.o.y);
         v.o.z = w_fma(cell, through.d.z, v.o.z);
-        const w_m beside = w_or(w_lt(r.tfar, ((v.moved + cell) - reach) - reach),
-                                w_lt(((v.moved + cell) + reach) + reach, r.tnear));
+        const w_m beside =
+            w_or(w_lt(r.tfar, ((v.moved + cell) - reach) - reach), w_lt(((v.moved + cell) + reach) + reach, r.tnear));
         out->hopeless |= (stretch < 1 ? w_bits(v.slow) : all) << base;
         v.live = w_andnot(v.live, w_or(beside, w_mask(stretch < 1 ? 0 : all)));
         v.slow = w_mask(0);

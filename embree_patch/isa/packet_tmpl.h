@@ -54,8 +54,7 @@ EP_INLINE w_3 w_move(const ep_leaf *leaf, const w_rays *r, w_f t)
     w_f moved[3];
     for (int c = 0; c < 3; ++c) {
         const w_f back = r->o[c] - r->org[c];
-        const w_f low =
-            ((r->org[c] - (r->o[c] - back)) - (w_set(leaf->centre[c]) + back)) - w_set(leaf->centre_low[c]);
+        const w_f low = ((r->org[c] - (r->o[c] - back)) - (w_set(leaf->centre[c]) + back)) - w_set(leaf->centre_low[c]);
         moved[c] = w_fma(t, r->dir[c], r->o[c]) + low;
     }
     return w_to_leaf(leaf, moved);
@@ -108,8 +107,8 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
         const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
         const w_rays r = w_load_rays(leaf, ray, rays, rays - base);
-        w_visit visit = w_enter(leaf, triangle, w_origin(leaf, &r), w_to_leaf(leaf, r.dir), w_direction_sum(&r), r.tnear,
-                                r.tfar, w_mask(lanes));
+        w_visit visit = w_enter(leaf, triangle, w_origin(leaf, &r), w_to_leaf(leaf, r.dir), w_direction_sum(&r),
+                                r.tnear, r.tfar, w_mask(lanes));
         counters->visits += (unsigned)__builtin_popcount(lanes);
         uint32_t live = w_bits(visit.live), hit = 0;
         counters->solves += (unsigned)__builtin_popcount(live | w_bits(visit.slow));
