@@ -463,7 +463,7 @@ static void choose_ray(visit *v, rng *r, bool steep, const double x[2], double y
     if (!steep && rng_below(r, 2)) {
         const piece_jet k = piece_at(&v->piece, y[0], y[1]);
         for (int c = 0; c < 3; ++c) d[c] = (k.p[c] - j.p[c]) / apart;
-    } else if (!steep && !rng_below(r, 4)) {
+    } else if (!steep && !rng_below(r, 8)) {
         double axis[2][3];
         plane_of(v->piece.leaf, axis);
         for (int c = 0; c < 3; ++c) d[c] = cos(angle) * axis[0][c] + sin(angle) * axis[1][c];

@@ -41,7 +41,8 @@ static void from_a_thousand_away(void **state)
     check_hits(&(hits_case){6, 24, 320, true, true, {5, 1}, SOME, 1, {0, 0, 0}, 1000});
 }
 
-/* The same patch at powers of two of its size gives the same hits, bit for bit: nothing knows an absolute length. */
+/* The same patch at powers of two of its size gives the same hits, bit for bit, and so do directions as long or as short
+ * as before: nothing knows an absolute length. */
 static void powers_of_two(void **state)
 {
     (void)state;
@@ -68,8 +69,11 @@ static void powers_of_two(void **state)
                 }
                 const judge_answer a = trace_one(one.scene, org, dir, 0, INFINITY);
                 const judge_answer b = trace_one(other.scene, far_org, far_dir, 0, INFINITY);
+                const judge_answer c = trace_one(other.scene, far_org, dir, 0, INFINITY);
                 CHECK(a.t == b.t && a.u == b.u && a.v == b.v, "patch %d, 2^%d: %s: t %a and %a", (int)k, power,
                       ray_text(org, dir), a.t, b.t);
+                CHECK(c.t == ldexp(a.t, power) && a.u == c.u && a.v == c.v, "patch %d, 2^%d, long: %s: t %a and %a",
+                      (int)k, power, ray_text(org, dir), a.t, c.t);
             }
             free_scene(&other);
         }

@@ -26,9 +26,12 @@ EP_INLINE void w_clip_domain(int triangle, w_f s, w_f t, w_f ds, w_f dt, w_f mar
     if (triangle) w_clip_slab(s + t, ds + dt, -high, edge + margin, from, to);
 }
 
-/* A direction without height gets this part of its length; over a way, that is below EP_LEVEL_NOISE. */
+/* A direction without height gets this part of its length. */
 #define EP_LEVEL 0x1p-40f
-#define EP_LEVEL_NOISE 0x1p-36f
+
+/* Beyond these lengths of a direction, in leaf coordinates, its terms or what is made of it may over- or underflow. */
+#define EP_SHORTEST 0x1p-80f
+#define EP_LONGEST 0x1p80f
 
 /* Where a ray is in the prism, from tnear on: between `from` and `to`, in t relative to where its origin is moved. */
 typedef struct w_way {
@@ -36,9 +39,19 @@ typedef struct w_way {
     w_3 d; /* its direction in leaf coordinates */
 } w_way;
 
-/* Lanes are slow where leaf coordinates are mostly rounding.
+/* Sums of the magnitudes that make up the leaf coordinates of x. */
+EP_INLINE void w_terms(const ep_leaf *leaf, const w_f x[3], w_f sum[3])
+{
+    for (int c = 0; c < 3; ++c)
+        sum[c] =
+            w_fma(w_set(fabsf(leaf->frame[2][c])), w_abs(x[2]),
+                  w_fma(w_set(fabsf(leaf->frame[1][c])), w_abs(x[1]), w_set(fabsf(leaf->frame[0][c])) * w_abs(x[0])));
+}
+
+/* Lanes are slow where leaf coordinates are mostly rounding, or directions out of range.
  *
- * How far the origin is moved may be rounded, but not where that is (w_move). From there a root in the prism is at |t|
+ * How far the origin is moved may be rounded, but where that is is right to two roundings of itself, and of the second
+ * order in those of o (w_move). From there a root in the prism is at |t|
  * <= (extent + |o| + noise) / (|d| - its rounding) in the coordinate that the direction is longest in, below `limit` if
  * rounding is at most |d| / 32 and the noise extent / 64. */
 EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r, w_m active, w_way *way)
@@ -59,21 +72,27 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     /* What rounding adds to a unit of way: 3 eps of the terms of d, and two of what is along the leaf in p. The leaf's
      * noise is that of the origin near the leaf; 5 eps more for each unit that `moved` has missed that by. */
     w_f terms[3];
-    for (int c = 0; c < 3; ++c)
-        terms[c] = w_fma(w_set(fabsf(leaf->frame[2][c])), w_abs(r->dir[2]),
-                         w_fma(w_set(fabsf(leaf->frame[1][c])), w_abs(r->dir[1]),
-                               w_set(fabsf(leaf->frame[0][c])) * w_abs(r->dir[0])));
+    w_terms(leaf, r->dir, terms);
     const w_f per_st = w_set(0x1p-21f) * w_max(terms[0], terms[1]), per_h = w_set(5 * 0x1p-24f) * terms[2];
-    const w_m sane = w_and(w_le(w_set(32.0f) * w_max(per_st, per_h), size),
-                           w_le(w_set(64 * fmaxf(leaf->noise_st, leaf->noise_h)), w_set(extent)));
+    const w_m sane = w_and(w_and(w_le(w_set(32.0f) * w_max(per_st, per_h), size),
+                                 w_le(w_set(64 * fmaxf(leaf->noise_st, leaf->noise_h)), w_set(extent))),
+                           w_and(w_le(w_set(EP_SHORTEST), size), w_le(size, w_set(EP_LONGEST))));
     v.live = w_and(active, sane);
     v.slow = w_andnot(active, sane);
 
     /* rounding of quotients is as that of what is divided */
     const w_f little = w_set(EP_TERMS) * reach;
+    w_f low[3];
+    for (int c = 0; c < 3; ++c)
+        low[c] = w_set(0x1p-23f) * w_fma(w_set(0x1p-24f), w_abs(r->o[c]), w_set(fabsf(leaf->centre_low[c])));
+    w_terms(leaf, low, terms);
+    /* the leaf's noise takes the origin for one in its plane */
+    const w_f noise_st = w_set(leaf->noise_st) + w_max(terms[0], terms[1]);
+    const w_f noise_h =
+        w_fma(w_set(EP_LEVEL), reach, w_fma(w_set(0x1p-21f), w_abs(v.o.z), w_set(leaf->noise_h))) + terms[2];
     const w_f astray = w_abs(w_fma(v.o.z, e.z, w_fma(v.o.y, e.y, v.o.x * e.x))) * over, most = limit + astray;
-    const w_f side = w_fma(per_st, most, w_set(leaf->side + leaf->noise_st)) + little;
-    const w_f height = w_fma(per_h, most, w_set(leaf->height + leaf->noise_h)) + little;
+    const w_f side = w_fma(per_st, most, w_set(leaf->side) + noise_st) + little;
+    const w_f height = w_fma(per_h, most, w_set(leaf->height) + noise_h) + little;
     way->from = -limit;
     way->to = limit;
     w_clip_slab(v.o.z, d.z, -height, height, &way->from, &way->to);
@@ -82,8 +101,8 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     v.live = w_andnot(v.live, w_lt(way->to, way->from));
 
     const w_f longest = w_max(w_abs(way->from), w_abs(way->to)) + astray;
-    v.noise_st = w_fma(per_st, longest, w_set(leaf->noise_st));
-    v.noise_h = w_fma(per_h, longest, w_set(leaf->noise_h + EP_LEVEL_NOISE));
+    v.noise_st = w_fma(per_st, longest, noise_st);
+    v.noise_h = w_fma(per_h, longest, noise_h);
     const w_f least = w_set(EP_LEVEL) * size;
     d.z = w_select(w_lt(w_abs(d.z), least), least, d.z);
     v.inverse = one / d.z;

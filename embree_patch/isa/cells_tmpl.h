@@ -59,13 +59,13 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         /* and the rounding of that */
         const w_f reach =
             w_fma(way, w_load(length, EP_LANES), w_set(0x1p-20f) * w_max(w_abs(through.from), w_abs(through.to)));
-        w_store(out->middle + base, ~0u, v.moved + cell);
+        const w_f middle = v.moved + cell, far = w_fma(w_set(EP_TERMS), w_abs(middle), reach + reach);
+        w_store(out->middle + base, ~0u, middle);
         w_store(out->reach + base, ~0u, reach);
         v.o.x = w_fma(cell, through.d.x, v.o.x);
         v.o.y = w_fma(cell, through.d.y, v.o.y);
         v.o.z = w_fma(cell, through.d.z, v.o.z);
-        const w_m beside =
-            w_or(w_lt(r.tfar, ((v.moved + cell) - reach) - reach), w_lt(((v.moved + cell) + reach) + reach, r.tnear));
+        const w_m beside = w_or(w_lt(r.tfar, middle - far), w_lt(middle + far, r.tnear));
         out->hopeless |= (stretch < 1 ? w_bits(v.slow) : all) << base;
         v.live = w_andnot(v.live, w_or(beside, w_mask(stretch < 1 ? 0 : all)));
         v.slow = w_mask(0);

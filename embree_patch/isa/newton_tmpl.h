@@ -19,7 +19,8 @@
 #define EP_FLAT 0x1p-16f
 #define EP_SHARP 0x1p-18f
 
-/* A ray so nearly parallel to the leaf's plane that 1 / h(d) is mostly rounding. */
+/* A ray so nearly parallel to the leaf's plane that J's determinant, in which p all but cancels, is mostly rounding: it
+ * is left to w_solve_grazing. */
 #define EP_STEEP 0x1p12f
 
 /* Rounding of a dozen operations. */
@@ -38,7 +39,7 @@ typedef struct w_3 {
 typedef struct w_visit {
     w_f p_s, p_t;          /* leaf.h: motion along the leaf per unit of height            */
     w_f inverse;           /* 1 / (direction's height)                                    */
-    w_f moved;             /* how far the origin is moved, in t: to the leaf's plane      */
+    w_f moved;             /* how far the origin is moved, in t: usually to the plane     */
     w_f far, way;          /* |t| |d| in the sum norm to there, and through the prism     */
     w_3 o;                 /* the moved origin                                            */
     w_f noise_st, noise_h; /* rounding of F                                           */
@@ -176,11 +177,13 @@ EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d
         out = w_or(w_or(w_lt(edge + reach_s, -s), w_lt(edge + reach_t, -t)), w_lt(edge + (reach_s + reach_t), s + t));
     else out = w_or(w_lt(edge + reach_s, w_abs(s)), w_lt(edge + reach_t, w_abs(t)));
     out = w_or(out, w_or(w_lt(tfar, v.moved - reach), w_lt(v.moved + reach, tnear)));
-    const w_m in = w_andnot(active, out); /* a NaN is never out */
+    /* where the height of a direction is so large that floats have no inverse of it nothing is known; a NaN is never
+     * out */
+    const w_m across = w_lt(w_set(0.0f), w_abs(v.inverse)), in = w_andnot(active, w_and(out, across));
 
     v.way = d_sum * reach;
     v.far = far;
-    v.live = w_and(in, w_lt(w_max(p_s, p_t), w_set(EP_STEEP)));
+    v.live = w_and(in, w_and(across, w_lt(w_max(p_s, p_t), w_set(EP_STEEP))));
     v.slow = w_andnot(in, v.live);
     v.s = s;
     v.t = t;
@@ -221,7 +224,7 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
     const w_f way = length + noise, turn = bend * v->radius;
     const w_m unique = w_le(turn, one);
     const w_f e = w_select(unique, w_min(v->radius, w_fma(turn, way, way)), v->radius), ge = bend * e;
-    const w_f bound = half * e * w_fma(ge * ge, w_fma(w_set(0.25f), ge, one), warp * e);
+    const w_f third = w_fma(w_set(0.25f), ge, one), bound = half * e * w_fma(ge * ge, third, warp * e);
     const w_f displaced = w_fma(noise, w_fma(half, w_fma(ge, ge, bend * noise), ge), noise);
     const w_f margin = displaced + bound, outside = w_outside(triangle, r.s, r.t);
     /* errors add up in s + t, and in clamping to the triangle */
@@ -233,9 +236,11 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
     const w_m sure = w_and(unique, w_le(bend * margin, one));
     const w_m done = w_and(w_and(w_le(length, w_set(EP_NEAR)), near), sure);
     r.vague = w_or(w_lt(w_set(EP_FLAT), margin), w_and(w_lt(w_set(EP_SHARP), r.radius), w_le(-outside, r.radius)));
-    /* the height's derivatives, at y and by how they turn, times how far the root may be from c' */
+    /* the height's derivatives, at y and by how they turn, times how far the root may be from c', and what the model
+     * leaves of it there: like b', of the height alone */
     const w_f far = length + margin, slope = w_fma(w_set(leaf->bend_h), far, w_abs(j->ds.z) + w_abs(j->dt.z));
-    r.late = w_fma(slope, margin, v->noise_h);
+    const w_f lift = half * e * w_fma(w_set(leaf->bend_h) * ge, e * third, w_set(leaf->warp_h) * e);
+    r.late = w_fma(slope, margin, v->noise_h) + lift;
     if (grazing) {
         /* along the leaf: |p| (tau - tau') is |A| |x* - c'| and what F_st is off by, which J^-1, of at least 1 / |A|,
          * takes to no more than the margin */

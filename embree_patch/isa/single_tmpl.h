@@ -150,6 +150,10 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
     const float reach = f4_abs(inverse)[0] * height;
     const f4 bound = f4_set(triangle ? EP_THIRD : EP_HALF) + along;
     ++counters->visits;
+    if (!(f4_abs(inverse)[0] > 0)) {
+        ++counters->solves;
+        return slow;
+    }
     if (f4_lt(bound, triangle ? -plane : f4_abs(plane)) & 3) return none;
     if (triangle && EP_THIRD + (along[0] + along[1]) < plane[0] + plane[1]) return none;
     if (tfar < t_plane[0] - reach || t_plane[0] + reach < tnear) return none;
@@ -239,7 +243,7 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         const float length = f4_norm(l.c), around = length + noise, turn = bend * radius;
         const bool unique = turn <= 1.0f;
         const float e = unique ? f1_min(radius, f1_fma(turn, around, around)) : radius, ge = bend * e;
-        const float bound = 0.5f * e * f1_fma(ge * ge, f1_fma(0.25f, ge, 1.0f), warp * e);
+        const float third = f1_fma(0.25f, ge, 1.0f), bound = 0.5f * e * f1_fma(ge * ge, third, warp * e);
         const float displaced = f1_fma(noise, f1_fma(0.5f, f1_fma(ge, ge, bend * noise), ge), noise);
         const float margin = displaced + bound, outside = f4_outside(triangle, found);
         const float left = triangle ? margin + margin : margin;
@@ -250,8 +254,9 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
             const f4 above = f4_fma(dt, step_t, f4_fma(ds, step_s, at + curve));
             const float t = f1_fma(above[2], inverse[0], t_plane[0]);
             const float slope = f1_fma(leaf->bend_h, length + margin, f1_abs(ds[2]) + f1_abs(dt[2]));
-            const float late =
-                f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(t), f1_fma(slope, margin, noise_h) * f1_abs(inverse[0]));
+            const float lift = 0.5f * e * f1_fma(leaf->bend_h * ge, e * third, leaf->warp_h * e);
+            const float late = f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(t),
+                                      (f1_fma(slope, margin, noise_h) + lift) * f1_abs(inverse[0]));
             const bool within = tnear < t && t <= tfar, nearly = tnear < t + late && t - late <= tfar;
             if (!(within || (vague && nearly))) return none;
             *t_out = t;

@@ -15,7 +15,7 @@ EP_INLINE void w_begin(const ep_leaf *leaf, w_visit *v, w_stack *wait, int trian
     *first = w_fma(w_set(-0x1p-20f), high, w_min(a, b));
     *last = w_fma(w_set(0x1p-20f), high, w_max(a, b));
     const w_graph g = w_meet_graph(leaf, v, triangle, v->noise_st, v->noise_h, high);
-    const w_f p = w_fma(w_set(EP_TERMS), w_abs(v->o.z), g.p);
+    const w_f p = w_fma(w_set(EP_TERMS), w_abs(v->o.z) + w_set(fabsf(leaf->middle)), g.p);
     const w_parts parts = w_quadratic(g.c0 - v->o.z, g.c1, g.c2, p, w_set(0.0f), w_lt(v->inverse, w_set(0.0f)));
     w_near near[2];
     for (int k = 0; k < 2; ++k) {
