@@ -41,8 +41,8 @@ static void from_a_thousand_away(void **state)
     check_hits(&(hits_case){6, 24, 320, true, true, {5, 1}, SOME, 1, {0, 0, 0}, 1000});
 }
 
-/* The same patch at powers of two of its size gives the same hits, bit for bit, and so do directions as long or as short
- * as before: nothing knows an absolute length. */
+/* The same patch at powers of two of its size gives the same hits, bit for bit, whether or not directions are as long:
+ * nothing knows an absolute length. */
 static void powers_of_two(void **state)
 {
     (void)state;
