@@ -50,10 +50,11 @@ EP_INLINE void w_terms(const ep_leaf *leaf, const w_f x[3], w_f sum[3])
 
 /* Lanes are slow where leaf coordinates are mostly rounding, or directions out of range.
  *
- * How far the origin is moved may be rounded, but where that is is right to two roundings of itself, and of the second
- * order in those of o (w_move). From there a root in the prism is at |t|
- * <= (extent + |o| + noise) / (|d| - its rounding) in the coordinate that the direction is longest in, below `limit` if
- * rounding is at most |d| / 32 and the noise extent / 64. */
+ * How far the origin is moved may be rounded, but the point there is right to two roundings of itself, and to those of
+ * what w_move puts back. From there a root in the prism is at |t| <= (extent + |o| + noise) / (|d| - its rounding) in
+ * the coordinate that the direction is longest in, below `limit` if rounding is at most |d| / 32 and the noise extent
+ * / 64.
+ */
 EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r, w_m active, w_way *way)
 {
     const float extent = fmaxf((triangle ? 2 * EP_THIRD : EP_HALF) + leaf->side, leaf->height);
@@ -74,22 +75,22 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     w_f terms[3];
     w_terms(leaf, r->dir, terms);
     const w_f per_st = w_set(0x1p-21f) * w_max(terms[0], terms[1]), per_h = w_set(5 * 0x1p-24f) * terms[2];
+    w_f low[3];
+    for (int c = 0; c < 3; ++c)
+        low[c] = w_set(0x1p-23f) * w_fma(w_set(0x1p-24f), w_abs(r->o[c]), w_set(fabsf(leaf->centre_low[c])));
+    w_terms(leaf, low, terms);
+    /* the leaf's noise takes the origin for one in its plane; and a direction may be made less level */
+    const w_f noise_st = w_set(leaf->noise_st) + w_max(terms[0], terms[1]);
+    const w_f noise_h =
+        w_fma(w_set(2 * EP_LEVEL), reach, w_fma(w_set(0x1p-21f), w_abs(v.o.z), w_set(leaf->noise_h))) + terms[2];
     const w_m sane = w_and(w_and(w_le(w_set(32.0f) * w_max(per_st, per_h), size),
-                                 w_le(w_set(64 * fmaxf(leaf->noise_st, leaf->noise_h)), w_set(extent))),
+                                 w_le(w_set(64.0f) * w_max(noise_st, noise_h), w_set(extent))),
                            w_and(w_le(w_set(EP_SHORTEST), size), w_le(size, w_set(EP_LONGEST))));
     v.live = w_and(active, sane);
     v.slow = w_andnot(active, sane);
 
     /* rounding of quotients is as that of what is divided */
     const w_f little = w_set(EP_TERMS) * reach;
-    w_f low[3];
-    for (int c = 0; c < 3; ++c)
-        low[c] = w_set(0x1p-23f) * w_fma(w_set(0x1p-24f), w_abs(r->o[c]), w_set(fabsf(leaf->centre_low[c])));
-    w_terms(leaf, low, terms);
-    /* the leaf's noise takes the origin for one in its plane */
-    const w_f noise_st = w_set(leaf->noise_st) + w_max(terms[0], terms[1]);
-    const w_f noise_h =
-        w_fma(w_set(EP_LEVEL), reach, w_fma(w_set(0x1p-21f), w_abs(v.o.z), w_set(leaf->noise_h))) + terms[2];
     const w_f astray = w_abs(w_fma(v.o.z, e.z, w_fma(v.o.y, e.y, v.o.x * e.x))) * over, most = limit + astray;
     const w_f side = w_fma(per_st, most, w_set(leaf->side) + noise_st) + little;
     const w_f height = w_fma(per_h, most, w_set(leaf->height) + noise_h) + little;
