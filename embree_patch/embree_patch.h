@@ -194,7 +194,7 @@ typedef enum EPTrimSplit {
  * from the threads that trace. EPStatistics tells what is there when it is asked. */
 typedef struct EPBuildSettings {
     size_t size;           /* sizeof(EPBuildSettings) in your build; set by epDefaultBuildSettings       */
-    float thickness;       /* a leaf's prism is at most this thick, relative to its width. 0.145; in (0,1] */
+    float thickness;       /* a leaf's prism is at most this thick, relative to its width. 0.115; in (0,1] */
     unsigned maxDepth;     /* halvings of a patch's domain at most. 20; in 0..40                          */
     unsigned threads;      /* for the build; 0: all. The leaves do not depend on it                       */
     float rayDistance;     /* how far from the geometry rays may start, in scene units; 0: 64 times the
@@ -210,7 +210,7 @@ static inline EPBuildSettings epDefaultBuildSettings(void)
 {
     EPBuildSettings s;
     s.size = sizeof s;
-    s.thickness = 0.145f;
+    s.thickness = 0.115f;
     s.maxDepth = 20;
     s.threads = 0;
     s.rayDistance = 0.0f;

@@ -124,9 +124,10 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
             const w_f t = w_fma(step.height, visit.inverse, visit.moved);
             const w_f after = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
             const w_f before = w_load(ray + EP_RAY_TFAR * rays, rays - base);
-            const w_m within = w_and(w_lt(after, t), w_le(t, before));
-            const w_m nearly = w_nearly(&step, visit.moved, t, after, before);
-            const w_m found = w_and(step.hit, w_or(within, w_and(step.vague, nearly)));
+            const w_m within = w_and(w_lt(after, t), w_le(t, before)), vague = w_and(step.hit, step.vague);
+            w_m found = w_and(step.hit, within);
+            if (w_bits(vague)) /* seldom, so that what it takes is not always computed */
+                found = w_or(found, w_and(vague, w_nearly(&step, visit.moved, t, after, before)));
             const uint32_t bits = w_bits(found);
             if (bits) {
                 hit |= bits;

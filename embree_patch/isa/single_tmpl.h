@@ -194,7 +194,14 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
             const float four = 4.0f * c2, width = f1_abs(four) * error;
             const float d = f1_fma(-four, c0, c1 * c1);
             if (d + width < 0) return none;
-            if (!(width < 0.75f * d)) return slow;
+            if (!(width < 0.75f * d)) {
+                const float spread = f1_sqrt(f1_max(d + width, 0.0f)) * (1 + 0x1p-10f);
+                const float twice = c2 + c2, size = f1_abs(twice);
+                const f4 u = f4_fnma(p, f4_set(c1), plane * f4_set(twice));
+                const float sum = f1_fma(p_max, f1_abs(c1), f4_norm(plane) * size);
+                const float beside = f1_fma(EP_TERMS, sum, f1_fma(p_max, spread, (room + e_st) * size));
+                return f1_fma(high, size, spread) < f1_abs(c1) || beside < f4_norm(u) ? none : slow;
+            }
             const float root = f1_sqrt(d), q = f1_abs(c1) + root, over = 1.0f / (q * root), twice_c0 = c0 + c0;
             delta = (1.5f * error) * (q * over);
             tau = ((c1 < 0 ? twice_c0 : -twice_c0) * root) * over;
@@ -253,12 +260,14 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
             const bool vague = EP_FLAT < margin || (EP_SHARP < left && -outside <= left);
             const f4 above = f4_fma(dt, step_t, f4_fma(ds, step_s, at + curve));
             const float t = f1_fma(above[2], inverse[0], t_plane[0]);
-            const float slope = f1_fma(leaf->bend_h, length + margin, f1_abs(ds[2]) + f1_abs(dt[2]));
-            const float lift = 0.5f * e * f1_fma(leaf->bend_h * ge, e * third, leaf->warp_h * e);
-            const float late = f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(t),
-                                      (f1_fma(slope, margin, noise_h) + lift) * f1_abs(inverse[0]));
-            const bool within = tnear < t && t <= tfar, nearly = tnear < t + late && t - late <= tfar;
-            if (!(within || (vague && nearly))) return none;
+            if (!(tnear < t && t <= tfar)) {
+                if (!vague) return none;
+                const float slope = f1_fma(leaf->bend_h, length + margin, f1_abs(ds[2]) + f1_abs(dt[2]));
+                const float lift = 0.5f * e * f1_fma(leaf->bend_h * ge, e * third, leaf->warp_h * e);
+                const float late = f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(t),
+                                          (f1_fma(slope, margin, noise_h) + lift) * f1_abs(inverse[0]));
+                if (!(tnear < t + late && t - late <= tfar)) return none;
+            }
             *t_out = t;
             const f4 twice_s = step_s + step_s, twice_t = step_t + step_t;
             f4_put_hit(leaf, triangle, found, f4_fma(st, twice_t, f4_fma(ss, twice_s, ds)),

@@ -68,8 +68,9 @@ typedef struct w_root {
 } w_root;
 
 /* With D = c1² - 4 c2 c0 and w = 4 |c2| P the ray misses if D < -w. If not, tau is within delta of one of the two roots
- * for D, delta = 2 P / (sqrt(D) + sqrt(D - w)): less than 4/3 P / sqrt(D) if w < 3/4 D, and else the ray is too nearly
- * tangent for this to help. Usually one of the roots is nowhere near the leaf, or before tnear. */
+ * for D, delta = 2 P / (sqrt(D) + sqrt(D - w)): less than 4/3 P / sqrt(D) if w < 3/4 D. Usually one of the roots is
+ * nowhere near the leaf, or before tnear. And else the ray is nearly tangent, hits being within sqrt(D + w) / |2 c2| of
+ * -c1 / (2 c2): mostly that is not in the leaf. */
 EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_graph *g, int triangle, w_f tnear)
 {
     w_root r;
@@ -90,6 +91,13 @@ EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_grap
                            w_set(EP_TERMS) * (w_abs(v->moved) + w_abs(tnear)));
     const w_m behind = w_lt(w_fma(late, size, t_2), (tnear - v->moved) * size);
     const w_m second = w_andnot(w_and(w_le(q, within * size), w_le(u_2, (room + about) * size)), behind);
+    /* where it would be tangent, times |2 c2| */
+    const w_f spread = w_sqrt(w_max(d + width, zero)) * w_set(1 + 0x1p-10f), far = w_abs(g->c1);
+    const w_f u = w_max(w_abs(w_fnma(v->p_s, g->c1, v->s * twice)), w_abs(w_fnma(v->p_t, g->c1, v->t * twice)));
+    const w_f terms = w_fma(g->p_max, far, w_max(w_abs(v->s), w_abs(v->t)) * size);
+    const w_f beside = w_fma(w_set(EP_TERMS), terms, w_fma(g->p_max, spread, (room + g->e_st) * size));
+    const w_m outside = w_or(w_lt(w_fma(g->high, size, spread), far), w_lt(beside, u));
+    r.none = w_or(r.none, w_andnot(outside, clear));
     r.unclear = w_or(second, w_andnot(v->live, clear));
     return r;
 }
