@@ -177,22 +177,28 @@ static void level(ep_fit *f)
     f->row[2] = ep_sub(f->row[2], ep_add(ep_scale(s, f->row[0]), ep_scale(t, f->row[1])));
 }
 
-/* A piece without a frame is a box around its control points. */
-static void irregular(const ep_domain *d, ep_fit *f)
+/* The box around a piece's control points. */
+static void hull(const ep_domain *d, const ep_fit *f, double lower[3], double upper[3])
 {
     const ep_patch *p = f->patch;
-    ep_leaf *leaf = &f->leaf;
+    ep_point net[EP_NET_POINTS];
+    f->kind->restrict_to(f->local, f->m, f->n, d, net);
     const size_t count = f->kind->point_count(f->m, f->n);
-    f->kind->restrict_to(f->local, f->m, f->n, d, f->series);
     for (int c = 0; c < 3; ++c) {
-        f->lower[c] = INFINITY, f->upper[c] = -INFINITY;
+        lower[c] = INFINITY, upper[c] = -INFINITY;
         for (size_t k = 0; k < count; ++k) {
-            const double x = p->centre[c] + f->series[k][c] / f->series[k][3];
-            f->lower[c] = fmin(f->lower[c], x);
-            f->upper[c] = fmax(f->upper[c], x);
+            const double x = p->centre[c] + net[k][c] / net[k][3];
+            lower[c] = fmin(lower[c], x);
+            upper[c] = fmax(upper[c], x);
         }
-        leaf->centre[c] = (float)p->centre[c];
     }
+}
+
+static void irregular(const ep_domain *d, ep_fit *f)
+{
+    ep_leaf *leaf = &f->leaf;
+    hull(d, f, f->lower, f->upper);
+    for (int c = 0; c < 3; ++c) leaf->centre[c] = (float)f->patch->centre[c];
     leaf->height = leaf->side = INFINITY;
     leaf->degree_s = leaf->degree_t = 0;
     leaf->rational = leaf->shape = 0;
@@ -305,6 +311,15 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
         const double centre = (double)leaf->centre[k] + leaf->centre_low[k];
         f->lower[k] = centre + x.lo;
         f->upper[k] = centre + x.hi;
+    }
+
+    if (p->rational) { /* what bounds a quotient above is not tight */
+        double lower[3], upper[3];
+        hull(d, f, lower, upper);
+        for (int c = 0; c < 3; ++c) {
+            f->lower[c] = fmax(f->lower[c], lower[c]);
+            f->upper[c] = fmin(f->upper[c], upper[c]);
+        }
     }
 
     /* Halving the first side quarters what r'' in s adds to the height, and halves what it adds to E. The mixed term of
