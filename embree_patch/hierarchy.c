@@ -49,9 +49,11 @@ void ep_list_add(ep_list *l, const ep_fit *f, const ep_domain *d, uint32_t patch
     leaf->trim = trim;
     ep_leaf_pack(f, l->nets + l->net_count);
     l->net_count += f->net_floats;
+    double lower[3], upper[3];
+    ep_leaf_box(f, d, lower, upper);
     for (int c = 0; c < 3; ++c) {
-        box->lower[c] = ep_round_down(f->lower[c]);
-        box->upper[c] = ep_round_up(f->upper[c]);
+        box->lower[c] = ep_round_down(lower[c]);
+        box->upper[c] = ep_round_up(upper[c]);
     }
     if (!f->regular) ++l->uncertified;
     else l->thickness_sum += f->thickness;

@@ -177,27 +177,10 @@ static void level(ep_fit *f)
     f->row[2] = ep_sub(f->row[2], ep_add(ep_scale(s, f->row[0]), ep_scale(t, f->row[1])));
 }
 
-/* The box around a piece's control points. */
-static void hull(const ep_domain *d, const ep_fit *f, double lower[3], double upper[3])
-{
-    const ep_patch *p = f->patch;
-    ep_point net[EP_NET_POINTS];
-    f->kind->restrict_to(f->local, f->m, f->n, d, net);
-    const size_t count = f->kind->point_count(f->m, f->n);
-    for (int c = 0; c < 3; ++c) {
-        lower[c] = INFINITY, upper[c] = -INFINITY;
-        for (size_t k = 0; k < count; ++k) {
-            const double x = p->centre[c] + net[k][c] / net[k][3];
-            lower[c] = fmin(lower[c], x);
-            upper[c] = fmax(upper[c], x);
-        }
-    }
-}
-
-static void irregular(const ep_domain *d, ep_fit *f)
+/* A piece without a frame is left to subdivision. */
+static void irregular(ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
-    hull(d, f, f->lower, f->upper);
     for (int c = 0; c < 3; ++c) leaf->centre[c] = (float)f->patch->centre[c];
     leaf->height = leaf->side = INFINITY;
     leaf->degree_s = leaf->degree_t = 0;
@@ -266,7 +249,7 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     f->turn[0] = ep_length(ds);
     f->turn[1] = ep_length(dt);
     if (!tangent_frame(ds, dt, f)) {
-        irregular(d, f);
+        irregular(f);
         return;
     }
     change_coordinates(f, q, at);
@@ -303,24 +286,7 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     f->distortion = fmax(ep_mag(b[0].ds) + ep_mag(b[0].dt), ep_mag(b[1].ds) + ep_mag(b[1].dt));
     leaf->stretch = (uint8_t)fmin(ceil(EP_STRETCH * f->distortion), EP_STRETCH);
     f->weight_low = w.low;
-
-    for (int k = 0; k < 3; ++k) {
-        const double a[2] = {(&f->column[0].x)[k], (&f->column[1].x)[k]}, none[2] = {0, 0};
-        const double r[4] = {a[0], a[1], (&f->column[2].x)[k], 0};
-        const ep_range x = widen(linear_range(f, a, r), ep_mag(linear_range(f, none, r)) * w.off);
-        const double centre = (double)leaf->centre[k] + leaf->centre_low[k];
-        f->lower[k] = centre + x.lo;
-        f->upper[k] = centre + x.hi;
-    }
-
-    if (p->rational) { /* what bounds a quotient above is not tight */
-        double lower[3], upper[3];
-        hull(d, f, lower, upper);
-        for (int c = 0; c < 3; ++c) {
-            f->lower[c] = fmax(f->lower[c], lower[c]);
-            f->upper[c] = fmin(f->upper[c], upper[c]);
-        }
-    }
+    f->weight_off = w.off;
 
     /* Halving the first side quarters what r'' in s adds to the height, and halves what it adds to E. The mixed term of
      * r_t behaves like that too, while that of r_s, a fan, does not care how wide it is and asks for the other side.
@@ -330,4 +296,34 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
         ep_mag(b[2].dss) + ep_mag(b[0].dss) + ep_mag(b[1].dss) + ep_mag(b[1].dst) + square * f->turn[0] / longer;
     f->turn[1] =
         ep_mag(b[2].dtt) + ep_mag(b[0].dtt) + ep_mag(b[1].dtt) + ep_mag(b[0].dst) + square * f->turn[1] / longer;
+}
+
+/* The control points' box, and that of the series where the piece has a frame: tighter, but for quotients. */
+void ep_leaf_box(const ep_fit *f, const ep_domain *d, double lower[3], double upper[3])
+{
+    const ep_patch *p = f->patch;
+    for (int c = 0; c < 3; ++c) lower[c] = -INFINITY, upper[c] = INFINITY;
+    if (p->rational || !f->regular) {
+        ep_point net[EP_NET_POINTS];
+        f->kind->restrict_to(f->local, f->m, f->n, d, net);
+        const size_t count = f->kind->point_count(f->m, f->n);
+        for (int c = 0; c < 3; ++c) {
+            double low = INFINITY, high = -INFINITY;
+            for (size_t k = 0; k < count; ++k) {
+                const double x = p->centre[c] + net[k][c] / net[k][3];
+                low = fmin(low, x);
+                high = fmax(high, x);
+            }
+            lower[c] = low, upper[c] = high;
+        }
+    }
+    if (!f->regular) return;
+    for (int k = 0; k < 3; ++k) {
+        const double a[2] = {(&f->column[0].x)[k], (&f->column[1].x)[k]}, none[2] = {0, 0};
+        const double r[4] = {a[0], a[1], (&f->column[2].x)[k], 0};
+        const ep_range x = widen(linear_range(f, a, r), ep_mag(linear_range(f, none, r)) * f->weight_off);
+        const double centre = (double)f->leaf.centre[k] + f->leaf.centre_low[k];
+        lower[k] = fmax(lower[k], centre + x.lo);
+        upper[k] = fmin(upper[k], centre + x.hi);
+    }
 }

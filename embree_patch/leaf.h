@@ -109,12 +109,12 @@ typedef struct ep_fit {
     double thickness;  /* 2 height, in units of the piece's width                                                  */
     double distortion; /* bound on |Dr_st|: how far the parametrisation is from affine                             */
     double turn[2];    /* how much halving the first or the second side would flatten the piece                  */
-    double lower[3], upper[3]; /* box of the piece in the geometry's space                                         */
     double loss;       /* rounding of its series, in double, relative to the patch                                 */
     double error;      /* the leaf's noise in scene units                                                          */
     size_t net_floats; /* what ep_leaf_pack will write                                                             */
     double area;       /* of the part of the domain, in parameters; negative where it stands on its head            */
     double weight_low; /* no weight is below it, the middle's being one */
+    double weight_off; /* |1 - weight| over the weight is at most this  */
     ep_vec3 row[3], column[3];      /* M as rounded, and its inverse                 */
     ep_point series[EP_NET_POINTS]; /* M S w and w in powers of s and t */
     ep_point rest[EP_NET_POINTS];   /* r w and w                        */
@@ -154,6 +154,9 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *fit);
 
 /* The rest of the certificate, for a piece that is kept; all but leaf.patch, leaf.net and leaf.trim is there then. */
 void ep_leaf_certify(ep_fit *fit);
+
+/* The box of a fitted piece in the geometry's space. */
+void ep_leaf_box(const ep_fit *fit, const ep_domain *d, double lower[3], double upper[3]);
 
 /* Writes the coefficients of a fitted leaf. */
 void ep_leaf_pack(const ep_fit *fit, float *net);

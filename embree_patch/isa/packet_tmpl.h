@@ -124,14 +124,15 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
             const w_f t = w_fma(step.height, visit.inverse, visit.moved);
             const w_f after = w_load(ray + EP_RAY_TNEAR * rays, rays - base);
             const w_f before = w_load(ray + EP_RAY_TFAR * rays, rays - base);
-            const w_m within = w_and(w_lt(after, t), w_le(t, before)), vague = w_and(step.hit, step.vague);
-            w_m found = w_and(step.hit, within);
+            const w_m within = w_and(step.hit, w_and(w_lt(after, t), w_le(t, before)));
+            const w_m vague = w_and(step.hit, step.vague);
+            w_m found = within;
             if (w_bits(vague)) /* seldom, so that what it takes is not always computed */
                 found = w_or(found, w_and(vague, w_nearly(&step, visit.moved, t, after, before)));
             const uint32_t bits = w_bits(found);
             if (bits) {
                 hit |= bits;
-                outcome.tie |= w_bits(w_and(w_and(step.hit, within), w_le(before, t))) << base;
+                outcome.tie |= w_bits(w_and(within, w_le(before, t))) << base;
                 outcome.vague |= w_bits(w_and(found, step.vague)) << base;
                 w_store(t_out, bits, t);
                 w_put_hit(leaf, triangle, &jet, &step, hit_out, rays, bits);
