@@ -92,9 +92,9 @@ static void square(const ep_taylor x[2], const ep_monomials *m, ep_taylor square
     squares[2] = ep_taylor_multiply(&x[1], &x[1], m);
 }
 
-/* The model's second derivatives are r's at the middle; its own middle is where it errs least. The graph: r_h - middle
- * - H_h u²/2 over the feet u = x + r_st. The foot: x less what w_start makes of u. Bounds on r's derivatives would not
- * do: what distortion adds to r_h is in u too, and cancels. */
+/* How far the model may be off, whose own middle is where it errs least. The graph: r_h - middle - H_h u²/2 over the
+ * feet u = x + r_st. The foot: x less what w_over makes of u. Bounds on r's derivatives would not do: what distortion
+ * adds to r_h is in u too, and cancels. */
 static void model(ep_fit *f, double lost)
 {
     ep_leaf *leaf = &f->leaf;
@@ -120,20 +120,14 @@ static void model(ep_fit *f, double lost)
     leaf->graph = ep_round_up(fmax(graph.hi - leaf->middle, leaf->middle - graph.lo) + lost);
 
     const ep_taylor m_u[2] = {half_form(leaf, 0, squares), half_form(leaf, 1, squares)};
-    ep_taylor products[2][2];
-    for (int k = 0; k < 4; ++k) products[k / 2][k % 2] = ep_taylor_multiply(&surface[k / 2], &m_u[k % 2], &m);
     double foot = 0;
     for (unsigned c = 0; c < 2; ++c) {
         ep_taylor x = ep_taylor_add(&surface[c], -1, &m_u[c]);
-        x = ep_taylor_add(&x, 2.0 * leaf->half[0][c], &products[0][0]);
-        x = ep_taylor_add(&x, 2.0 * leaf->half[1][c], &products[0][1]);
-        x = ep_taylor_add(&x, 2.0 * leaf->half[1][c], &products[1][0]);
-        x = ep_taylor_add(&x, 2.0 * leaf->half[2][c], &products[1][1]);
         x.c[ep_taylor_index(1 - c, c)] -= 1;
         foot = fmax(foot, ep_mag(ep_taylor_range(&x, &m)));
     }
     /* and what the kernels' arithmetic adds to two dozen terms below this */
-    leaf->foot = ep_round_up(foot + lost + 32 * EP_EPS_F * (1 + 2 * (double)leaf->side));
+    leaf->foot = ep_round_up(foot + lost + 32 * EP_EPS_F * (1 + 2 * f->side));
 }
 
 /* Rounding of F in leaf coordinates; eps = 2^-24.
@@ -168,17 +162,49 @@ static void rounding(ep_fit *f, double lost)
         if (c < 2) total[c] += 4 * EP_EPS_F;
         total[c] *= 1 + 0x1p-10;
     }
+    f->error = (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) * fmax(total[0], total[1]) +
+               ep_norm1(f->column[2]) * total[2];
     leaf->noise_st = ep_round_up(fmax(total[0], total[1]));
     leaf->noise_h = ep_round_up(total[2]);
-    f->error =
-        (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) * leaf->noise_st + ep_norm1(f->column[2]) * leaf->noise_h;
-    /* The plane's point from the unmoved origin: both o and t d are in it, 5 eps each; o is as long as t d but for
-     * the piece's size. */
-    const double st = fmax(ep_norm1(f->row[0]), ep_norm1(f->row[1])), h = ep_norm1(f->row[2]);
-    leaf->reach_st = ep_round_up(12 * EP_EPS_F * st);
-    leaf->reach_h = ep_round_up(12 * EP_EPS_F * h);
-    leaf->side = ep_round_up(leaf->side + 2 * leaf->noise_st);
-    leaf->height = ep_round_up(leaf->height + 2 * leaf->noise_h);
+}
+
+/* What the rays add, those for which a leaf's constants hold (leaf.h).
+ *
+ * The plane's point from the unmoved origin: both o and t d are in it, 5 eps each; o is as long as t d but for the
+ * piece's size: 12 eps of far = |t| |d| in all. By so much is a foot on the plane off, and by_foot times as much the
+ * graph's equation.
+ *
+ * Through the prism a ray goes no farther than (height + reach far) (|p| C_st + C_h), C being what leaf coordinates are
+ * in space, and F's noise grows by 12 eps of that.
+ *
+ * c0, c1 tau and c2 tau² of the graph's equation are right to a few roundings of terms below bend_h (room + 2 |p|
+ * high)² and 2 high; convex in reach far, so below a straight line. */
+static double graph_terms(const ep_leaf *leaf, double room, double astray)
+{
+    const double high = leaf->height + astray, along = room + astray + 2 * EP_STEEP * high;
+    return 0x1p-19 * ((double)leaf->bend_h * along * along + 2 * high);
+}
+
+static void allow_for_rays(ep_fit *f)
+{
+    ep_leaf *leaf = &f->leaf;
+    const bool triangle = f->kind == &ep_kinds[EP_KIND_TRIANGLE];
+    const double st = fmax(ep_norm1(f->row[0]), ep_norm1(f->row[1]));
+    const double per = 12 * EP_EPS_F * fmax(st, ep_norm1(f->row[2]));
+    const double way = EP_STEEP * (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) + ep_norm1(f->column[2]);
+    const double noise = 2 * per * leaf->height * way;
+    const double noise_st = leaf->noise_st + noise, noise_h = leaf->noise_h + noise;
+    f->side += noise_st;
+    leaf->height = ep_round_up(leaf->height + noise_h);
+    leaf->rim = ep_round_up(f->kind->middle + f->side + 4 * EP_EPS_F);
+
+    const double extent = triangle ? 2.0 / 3 : 0.5, room = extent + f->side;
+    const double k = (double)leaf->bend_st * (extent + (triangle ? 4 : 1) * (f->side + EP_ABOUT));
+    leaf->foot = ep_round_up(leaf->foot + (1 + k) * noise_st);
+    const double by_foot = 1 + (double)leaf->bend_h * room, terms = graph_terms(leaf, room, 0);
+    leaf->graph = ep_round_up(leaf->graph + noise_h + (by_foot - 1) * noise_st + terms);
+    const double more = 1 + 4 * per * way * by_foot + 2 * (graph_terms(leaf, room, EP_ASTRAY) - terms) / EP_ASTRAY;
+    leaf->reach = ep_round_up(per * by_foot * more);
 }
 
 void ep_leaf_certify(ep_fit *f)
@@ -188,6 +214,7 @@ void ep_leaf_certify(ep_fit *f)
     const double lost = reduce(f);
     model(f, lost);
     rounding(f, lost);
+    allow_for_rays(f);
     /* For the frame's matrix M, M a x M b = det M M^-T (a x b); and S_s x S_t = (uu vv - uv vu) S_u x S_v. */
     leaf->volume = (float)(1 / (ep_dot(f->row[0], ep_cross(f->row[1], f->row[2])) * f->area));
 }

@@ -19,12 +19,13 @@ enum { EP_HIT_NG = 0, EP_HIT_U = 3, EP_HIT_V = 4 };
 
 #define EP_PACKET 16
 
-/* One bit a lane. A lane in neither set is certified to miss the leaf within (tnear, tfar). */
+/* One bit a lane; all of it fits into a register. A lane in neither set is certified to miss the leaf within (tnear,
+ * tfar). */
 typedef struct ep_outcome {
-    uint32_t hit;   /* t[] and hit[] hold the leaf's only root in (tnear, tfar], or, if vague, near it */
-    uint32_t tie;   /* those of them at tfar itself: in front of the ray's hit or behind it? */
-    uint32_t vague; /* those that ep_polish has to find again                     */
-    uint32_t slow;  /* undecided: look closer                                   */
+    uint16_t hit;   /* t[] and hit[] hold the leaf's only root in (tnear, tfar], or, if vague, near it */
+    uint16_t tie;   /* those of them at tfar itself: in front of the ray's hit or behind it? */
+    uint16_t vague; /* those that ep_polish has to find again                     */
+    uint16_t slow;  /* undecided: look closer                                   */
 } ep_outcome;
 
 /* `net` is the leaf's own. */

@@ -6,9 +6,9 @@
  * is r = R/W with R_st = M_st N - x W and R_h = M_h N, W being one in the middle; so bounds on the coefficients bound r
  * and its derivatives over the whole piece: the terms up to the second order by their range, those above by their
  * magnitudes, which fall off with the powers of the piece's size. What dividing by W adds is of the third order.
- * The frame is tangent to the piece at the middle, where the derivative of r is therefore zero, but for a tilt that the
- * model gains from (level), moved so that r_h's range is centred on zero, and rounded to float before the bounds are
- * taken: they hold for the frame that the kernels use. */
+ * The frame is tangent to the piece at the middle, where the derivative of r is therefore zero, but for what the model
+ * gains from (level), moved so that r_h's range is centred on zero, and rounded to float before the bounds are taken:
+ * they hold for the frame that the kernels use. */
 #include "embree_patch/leaf.h"
 
 #include <string.h>
@@ -25,6 +25,7 @@ static ep_range about(double x, double e)
 /* Bounds on a function and its derivatives over the piece. */
 typedef struct bounds {
     ep_range value, ds, dt, dss, dst, dtt;
+    double third; /* |dsss| + 3 |dsst| + 3 |dstt| + |dttt| */
 } bounds;
 
 /* R N - x W as a series; N and W are those of `series`. */
@@ -66,22 +67,28 @@ static ep_range linear_range(const ep_fit *f, const double a[2], const double b[
 
 static bounds series_bounds(const ep_fit *f, int c)
 {
-    double low[6], high = 0, spread[5] = {0};
+    double low[6], high = 0, third = 0, spread[5] = {0};
     for (int k = 0; k < 6; ++k) low[k] = f->low[k] != SIZE_MAX ? f->rest[f->low[k]][c] : 0;
     for (size_t k = 0; k < f->terms; ++k) {
         const double x = fabs(f->rest[k][c]);
         high += x * f->high[k];
+        third += x * f->third[k];
         for (int d = 0; d < 5; ++d) spread[d] += x * f->spread[k][d];
     }
-    return (bounds){widen(f->kind->quadratic(low), high), about(low[1], spread[0]), about(low[2], spread[1]),
-                    about(2 * low[3], spread[2]),         about(low[4], spread[3]), about(2 * low[5], spread[4])};
+    return (bounds){widen(f->kind->quadratic(low), high),
+                    about(low[1], spread[0]),
+                    about(low[2], spread[1]),
+                    about(2 * low[3], spread[2]),
+                    about(low[4], spread[3]),
+                    about(2 * low[5], spread[4]),
+                    third};
 }
 
 /* What W does to a quotient. */
 typedef struct weight {
-    double low;                   /* W >= low */
-    double off;                   /* |1 - W| / low */
-    double ds, dt, dss, dst, dtt; /* magnitudes of its derivatives, over low */
+    double low;                          /* W >= low */
+    double off;                          /* |1 - W| / low */
+    double ds, dt, dss, dst, dtt, third; /* magnitudes of its derivatives, over low */
 } weight;
 
 static weight weight_bounds(const ep_fit *f, double least)
@@ -94,10 +101,12 @@ static weight weight_bounds(const ep_fit *f, double least)
                     ep_mag(w.dt) / low,
                     ep_mag(w.dss) / low,
                     ep_mag(w.dst) / low,
-                    ep_mag(w.dtt) / low};
+                    ep_mag(w.dtt) / low,
+                    w.third / low};
 }
 
-/* r = R/W = R + R (1-W)/W, r' = (R' - r W')/W, r'' = (R'' - r'W' - W'r' - r W'')/W. */
+/* r = R/W = R + R (1-W)/W, r' = (R' - r W')/W, r'' = (R'' - r'W' - W'r' - r W'')/W; and for norms r''' = (R''' + 3 r''
+ * W' + 3 r' W'' + r W''')/W. */
 static bounds quotient_bounds(bounds b, const weight *w)
 {
     bounds q;
@@ -109,6 +118,8 @@ static bounds quotient_bounds(bounds b, const weight *w)
     q.dss = widen(b.dss, ep_mag(b.dss) * w->off + 2 * vs * w->ds + v * w->dss);
     q.dst = widen(b.dst, ep_mag(b.dst) * w->off + vs * w->dt + vt * w->ds + v * w->dst);
     q.dtt = widen(b.dtt, ep_mag(b.dtt) * w->off + 2 * vt * w->dt + v * w->dtt);
+    const double second = ep_mag(q.dss) + 2 * ep_mag(q.dst) + ep_mag(q.dtt), w_second = w->dss + 2 * w->dst + w->dtt;
+    q.third = b.third * (1 + w->off) + 3 * second * (w->ds + w->dt) + 3 * (vs + vt) * w_second + v * w->third;
     return q;
 }
 
@@ -152,29 +163,72 @@ static void change_coordinates(ep_fit *f, const ep_point *q, ep_vec3 origin)
     make_rest(f);
 }
 
-/* Tilts the plane so that the graph, the piece's height over its feet, has linear terms that cancel as much of its
- * cubic ones as linear terms can: three quarters of s³, half of s²t. With H the second derivatives of the height, the
- * foot of x being x + r_st(x), the cubic terms are those of r_h - H(x, r_st). */
+/* What the linear terms are that cancel as much of cubic ones as linear terms can: three quarters of s³, half of s²t.
+ */
+static ep_vec3 cancelling(const ep_fit *f, const double cubic[4])
+{
+    const double *level = f->kind->level;
+    const double s = level[0] * cubic[0] + level[1] * cubic[1] + level[2] * cubic[2];
+    const double t = level[0] * cubic[3] + level[1] * cubic[2] + level[2] * cubic[1];
+    return ep_add(ep_scale(s, f->row[0]), ep_scale(t, f->row[1]));
+}
+
+/* Turns the frame so that what the model leaves has linear terms that cancel cubic ones. With H the second derivatives,
+ * the foot of x being x + r_st(x), those are the cubic terms of r - H(x, r_st), of the height over its foot and of the
+ * way back from it. */
 static void level(ep_fit *f)
 {
-    double cubic[4] = {0}, quadratic[3][3] = {{0}}, weight[2] = {0};
+    double cubic[3][4] = {{0}}, quadratic[3][3] = {{0}}, weight[2] = {0};
     for (unsigned j = 0; j <= 3; ++j) {
         const size_t at = f->kind->index(ep_rest_m(f), ep_rest_n(f), 3 - j, j);
-        if (at != SIZE_MAX) cubic[j] = f->rest[at][2];
+        for (int c = 0; c < 3 && at != SIZE_MAX; ++c) cubic[c][j] = f->rest[at][c];
     }
     for (unsigned j = 0; j <= 2; ++j)
         for (int c = 0; c < 3 && f->low[3 + j] != SIZE_MAX; ++c) quadratic[c][j] = f->rest[f->low[3 + j]][c];
     if (f->raised)
         for (unsigned j = 0; j <= 1; ++j) weight[j] = f->rest[f->low[1 + j]][3];
-    const double *h = quadratic[2];
-    const double by[3][2] = {{2 * h[0], h[1]}, {h[1], 2 * h[2]}, {weight[0], weight[1]}};
+    double by[3][2][2]; /* H(x, .) */
+    for (int c = 0; c < 3; ++c) {
+        by[c][0][0] = 2 * quadratic[c][0], by[c][1][1] = 2 * quadratic[c][2];
+        by[c][0][1] = by[c][1][0] = quadratic[c][1];
+    }
+    for (int j = 0; j <= 2; ++j)
+        for (int k = 0; k <= 1; ++k) {
+            for (int c = 0; c < 3; ++c) cubic[c][j + k] -= quadratic[c][j] * weight[k];
+            for (int c = 0; c < 3; ++c)
+                for (int d = 0; d < 2; ++d) cubic[c][j + k] -= quadratic[d][j] * by[c][d][k];
+        }
+    ep_vec3 off[3];
+    for (int c = 0; c < 3; ++c) off[c] = cancelling(f, cubic[c]);
+    for (int c = 0; c < 3; ++c) f->row[c] = ep_sub(f->row[c], off[c]);
+}
+
+/* The quadratic terms of the way from feet u back to heights and to x. Those of r at the middle are q; there u = (I +
+ * L) x + q_st(x), so with A = (I + L)^-1 they are q_h(A u) and A q_st(A u). */
+static void model(ep_fit *f, const bounds b[3])
+{
+    double l[2][2], a[2][2], q[3][2][2], r[3][2][2] = {{{0}}};
+    for (int c = 0; c < 2; ++c) {
+        l[c][0] = (c == 0) + ep_mid(b[c].ds);
+        l[c][1] = (c == 1) + ep_mid(b[c].dt);
+    }
+    const double det = l[0][0] * l[1][1] - l[0][1] * l[1][0];
+    a[0][0] = l[1][1] / det, a[0][1] = -l[0][1] / det;
+    a[1][0] = -l[1][0] / det, a[1][1] = l[0][0] / det;
+    for (int c = 0; c < 3; ++c) {
+        q[c][0][0] = 0.5 * ep_mid(b[c].dss);
+        q[c][0][1] = q[c][1][0] = 0.5 * ep_mid(b[c].dst);
+        q[c][1][1] = 0.5 * ep_mid(b[c].dtt);
+    }
     for (int c = 0; c < 3; ++c)
-        for (int j = 0; j <= 2; ++j)
-            for (int k = 0; k <= 1; ++k) cubic[j + k] -= quadratic[c][j] * by[c][k];
-    const double *level = f->kind->level;
-    const double s = level[0] * cubic[0] + level[1] * cubic[1] + level[2] * cubic[2];
-    const double t = level[0] * cubic[3] + level[1] * cubic[2] + level[2] * cubic[1];
-    f->row[2] = ep_sub(f->row[2], ep_add(ep_scale(s, f->row[0]), ep_scale(t, f->row[1])));
+        for (int k = 0; k < 4; ++k)
+            for (int n = 0; n < 4; ++n) r[c][k / 2][k % 2] += a[n / 2][k / 2] * q[c][n / 2][n % 2] * a[n % 2][k % 2];
+    for (int j = 0; j < 3; ++j) {
+        const double s = r[0][j / 2][(j + 1) / 2], t = r[1][j / 2][(j + 1) / 2];
+        f->leaf.half[j][0] = (float)(a[0][0] * s + a[0][1] * t);
+        f->leaf.half[j][1] = (float)(a[1][0] * s + a[1][1] * t);
+        f->leaf.half[j][2] = (float)r[2][j / 2][(j + 1) / 2];
+    }
 }
 
 /* A piece without a frame is left to subdivision. */
@@ -182,7 +236,7 @@ static void irregular(ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
     for (int c = 0; c < 3; ++c) leaf->centre[c] = (float)f->patch->centre[c];
-    leaf->height = leaf->side = INFINITY;
+    leaf->height = leaf->rim = INFINITY;
     leaf->degree_s = leaf->degree_t = 0;
     leaf->rational = leaf->shape = 0;
     f->regular = false;
@@ -219,6 +273,15 @@ void ep_leaf_begin(const ep_patch *p, ep_fit *f)
                 f->spread[at][d] = i < di[d] || j < dj[d] || (i == di[d] && j == dj[d])
                                        ? 0
                                        : factor[d] * kind->monomial(i - di[d], j - dj[d]);
+            f->third[at] = 0;
+            for (unsigned d = 0; d <= 3; ++d) { /* by s 3 - d times, by t d times */
+                static const double times[4] = {1, 3, 3, 1};
+                if (i < 3 - d || j < d) continue;
+                double size = times[d];
+                for (unsigned k = 0; k < 3 - d; ++k) size *= i - k;
+                for (unsigned k = 0; k < d; ++k) size *= j - k;
+                f->third[at] += size * kind->monomial(i - (3 - d), j - d);
+            }
         }
 }
 
@@ -269,19 +332,20 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     bounds b[3];
     for (int c = 0; c < 3; ++c) b[c] = quotient_bounds(series_bounds(f, c), &w);
 
-    leaf->bend_st = leaf->warp_st = 0;
+    model(f, b);
+    leaf->bend_st = leaf->twist_st = 0;
     for (int c = 0; c < 3; ++c) {
-        leaf->half[0][c] = (float)(0.5 * ep_mid(b[c].dss));
-        leaf->half[1][c] = (float)(0.5 * ep_mid(b[c].dst));
-        leaf->half[2][c] = (float)(0.5 * ep_mid(b[c].dtt));
-        float *bend = c < 2 ? &leaf->bend_st : &leaf->bend_h, *warp = c < 2 ? &leaf->warp_st : &leaf->warp_h;
+        float *bend = c < 2 ? &leaf->bend_st : &leaf->bend_h, *twist = c < 2 ? &leaf->twist_st : &leaf->twist_h;
         *bend = fmaxf(*bend, ep_round_up(ep_mag(b[c].dss) + 2 * ep_mag(b[c].dst) + ep_mag(b[c].dtt)));
-        *warp = fmaxf(*warp, ep_round_up(ep_half(b[c].dss) + 2 * ep_half(b[c].dst) + ep_half(b[c].dtt) +
-                                         EP_EPS_F * *bend)); /* the model's rounding */
+        /* and bounds of the model's */
+        const double form = fabs(leaf->half[0][c]) + 2 * fabs(leaf->half[1][c]) + fabs(leaf->half[2][c]);
+        *bend = fmaxf(*bend, ep_round_up(2 * form));
+        *twist = fmaxf(*twist, ep_round_up(b[c].third / 3));
     }
-    leaf->side = ep_round_up(fmax(ep_mag(b[0].value), ep_mag(b[1].value)));
+    f->side = fmax(ep_mag(b[0].value), ep_mag(b[1].value));
     leaf->height = ep_round_up(ep_mag(b[2].value));
-    f->regular = leaf->height < INFINITY && leaf->side < INFINITY;
+    leaf->sigma = ep_round_up(1 + fmax(ep_mag(b[0].ds) + ep_mag(b[1].ds), ep_mag(b[0].dt) + ep_mag(b[1].dt)));
+    f->regular = leaf->height < INFINITY && f->side < INFINITY;
     f->thickness = 2 * ep_mag(b[2].value);
     f->distortion = fmax(ep_mag(b[0].ds) + ep_mag(b[0].dt), ep_mag(b[1].ds) + ep_mag(b[1].dt));
     leaf->stretch = (uint8_t)fmin(ceil(EP_STRETCH * f->distortion), EP_STRETCH);

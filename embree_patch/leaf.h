@@ -33,17 +33,19 @@
  *   (3) When b falls below the rounding error of F, c is the root.
  *
  * The first y need not be x0. Seen from its plane the leaf is a graph, its height over its feet x + r_st(x), and a ray
- * meets a graph that is nearly quadratic where a quadratic equation has its roots (w_start in isa/newton_tmpl.h): that
+ * meets a graph that is nearly quadratic where a quadratic equation has its roots (w_start in isa/start_tmpl.h): that
  * leaves a small Q, or none, however the leaf is parametrised. One evaluation of the surface then usually ends in (3).
+ * What that equation is to be solved to is little: b' is below rounding once |c - y| is a fiftieth of the leaf.
  *
- * Terms of the second order take out most of what Newton leaves: with v = H (c-y)²/2, H being r's second derivatives
- * at the middle, x* is at c' = c - J^-1 (v_st - p v_h) up to what H differs from the truth, and (c-y)² from (x*-y)²:
+ * Terms of the second order take out most of what Newton leaves: with H the second derivatives of r at y and v = H
+ * (c-y)²/2, x* is at c' = c - J^-1 (v_st - p v_h) up to terms of the third order, and what (c-y)² differs from (x*-y)²:
  *
- *     |x* - c'| <= b' = W e² / 2 + (G e)² (1 + G e / 4) e / 2,    W like G with `warp`, the Lipschitz constants of
- *                                                                 D(r - model),
+ *     |x* - c'| <= b' = T e³ / 2 + (G e)² (1 + G e / 4) e / 2,    T like G with `twist`, a third of the Lipschitz
+ *                                                                 constants of second derivatives,
  *
  * for (x*-y)² and (c-y)² differ by at most |x*-c| (2 |x*-y| + |x*-c|). When rounding displaces c by n, |x*-c| grows by
- * n, and c' is displaced by n (1 + G e + ((G e)² + G n) / 2).
+ * n, and c' is displaced by n (1 + G e + ((G e)² + G n) / 2); e being no less than n, by n (1 + 3/2 G e + (G e)² / 2)
+ * at most.
  *
  * Where the quadratic equation has two roots in the leaf, or may have a double one, and where b is not smaller than e,
  * the ray is nearly tangent to the leaf; cells along its way (isa/cells_tmpl.h) and then subdivision (solve.c) take
@@ -60,22 +62,22 @@
 typedef struct ep_leaf {
     alignas(64) float frame[3][3];     /* M without its offset: columns for x, y, z; rows s, t, h                */
     float centre[3], centre_low[3];    /* M's zero is centre + centre_low, exactly, in the geometry's space      */
-    float height;                      /* half the prism's thickness                                                 */
-    float side;                        /* how far the prism reaches beyond the domain                                */
-    float reach_st, reach_h;           /* rounding of M per unit of way, measured as |t| |d| in the sum norm          */
-    float middle;                      /* the graph's height over the middle of D, in the model                      */
-    float half[3][3];                  /* half of r_ss, r_st, r_tt at the middle, each for s, t, h: the model of r   */
-    float graph, foot;                 /* how far the model may be off: heights over feet, and where a foot belongs   */
-    float bend_st, bend_h;             /* Lipschitz constants of the derivatives of (r_s, r_t), r_h                   */
-    float warp_st, warp_h;             /* the same for r minus the model                                             */
-    float noise_st, noise_h;           /* rounding errors of F: of its rows, and of the height that p multiplies     */
-    float domain[6];                   /* u0, v0, uu, vv, uv, vu of ep_domain                                        */
-    float volume;                      /* S_u x S_v = volume * frame^T (S_s x S_t in leaf coordinates)               */
-    uint32_t patch;                    /* index of the patch                                                         */
-    uint32_t net;                      /* where its coefficients begin, in floats                                    */
-    uint32_t trim;                     /* 1 + where what decides about (u, v) within it begins; 0: all is kept       */
-    uint8_t shape, degree_s, degree_t; /* of the coefficients; see ep_shape                                     */
-    uint8_t rational : 1, stretch : 7; /* |Dr_st| <= stretch / EP_STRETCH over D, or is not below one             */
+    float rim;                         /* how far the prism reaches from the middle along s and t, ...           */
+    float height;                      /* ... and along h                                                        */
+    float graph, foot;                 /* how far the model may be off: heights over feet, and the way from feet */
+    float reach;                       /* by rays: what these four, and noise, grow by per |t| |d|               */
+    float middle;                      /* the graph's height over the middle of D, in the model                  */
+    float half[3][3];                  /* the model: u_s², 2 u_s u_t, u_t² in u - x, for s and t, and in heights */
+    float sigma;                       /* bound on the norm of the cofactors of I + Dr_st                        */
+    float bend_st, noise_st, twist_st; /* of (r_s, r_t): Lipschitz constants of its derivatives, its rounding, ... */
+    float bend_h, noise_h, twist_h;    /* ... a third of those of second derivatives; of r_h                     */
+    float domain[6];                   /* u0, v0, uu, vv, uv, vu of ep_domain                                    */
+    float volume;                      /* S_u x S_v = volume * frame^T (S_s x S_t in leaf coordinates)           */
+    uint32_t patch;                    /* index of the patch                                                     */
+    uint32_t net;                      /* where its coefficients begin, in floats                                */
+    uint32_t trim;                     /* 1 + where what decides about (u, v) within it begins; 0: all is kept   */
+    uint8_t shape, degree_s, degree_t; /* of the coefficients; see ep_shape                                      */
+    uint8_t rational : 1, stretch : 7; /* |Dr_st| <= stretch / EP_STRETCH over D, or is not below one            */
 } ep_leaf;
 enum { EP_STRETCH = 127 };
 _Static_assert(sizeof(ep_leaf) == 192, "a leaf is three cache lines");
@@ -85,6 +87,19 @@ _Static_assert(sizeof(ep_leaf) == 192, "a leaf is three cache lines");
 static inline unsigned ep_leaf_stride(const ep_leaf *leaf)
 {
     return leaf->rational ? 4 : 3;
+}
+
+/* A leaf's constants are made for rays that are no closer to parallel to its plane than |p| < EP_STEEP, come from no
+ * farther than where reach |t| |d| < EP_ASTRAY, and meet the graph over a foot that is known to EP_ABOUT; others are
+ * left to isa/tangent_tmpl.h. */
+#define EP_STEEP 0x1p5f
+#define EP_ASTRAY 0x1p-2f
+#define EP_ABOUT 0x1p-3f
+
+/* How far the prism reaches beyond the domain. */
+static inline float ep_leaf_side(const ep_leaf *leaf, int triangle)
+{
+    return leaf->rim - (triangle ? 1.0f / 3 : 0.5f);
 }
 
 /* How far the patch's parameters move when a leaf coordinate moves by one. */
@@ -108,6 +123,7 @@ typedef struct ep_fit {
     bool regular;      /* false: a pole or a cusp has no frame; the leaf is left to subdivision                     */
     double thickness;  /* 2 height, in units of the piece's width                                                  */
     double distortion; /* bound on |Dr_st|: how far the parametrisation is from affine                             */
+    double side;       /* bounds on |r_s|, |r_t| and ...                                                            */
     double turn[2];    /* how much halving the first or the second side would flatten the piece                  */
     double loss;       /* rounding of its series, in double, relative to the patch                                 */
     double error;      /* the leaf's noise in scene units                                                          */
@@ -129,6 +145,7 @@ typedef struct ep_fit {
     double monomial[EP_NET_POINTS];  /* how much a term may be, its coefficient being one                     */
     double high[EP_NET_POINTS];      /* ... those that are not in `low`                                       */
     double spread[EP_NET_POINTS][5]; /* how much its derivatives by s, t, ss, st, tt may be, but in the middle */
+    double third[EP_NET_POINTS];     /* ... and |sss| + 3 |sst| + 3 |stt| + |ttt|                             */
 } ep_fit;
 
 /* Degree of the series of r W. */

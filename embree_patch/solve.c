@@ -85,7 +85,8 @@ bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], con
         a[c] = ep_dot(row, o);
         b[c] = ep_dot(row, l.d);
     }
-    const double side = leaf->side, height = leaf->height, edge = ep_kinds[patch->kind].middle + side;
+    const double side = ep_leaf_side(leaf, patch->kind == EP_KIND_TRIANGLE), height = leaf->height,
+                 edge = ep_kinds[patch->kind].middle + side;
     const struct {
         double a, b, limit; /* a + t b <= limit */
     } plane[6] = {
@@ -448,8 +449,8 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     return true;
 }
 
-/* Steps after which Newton's from a root that is right to 2^-8 are at the rounding of doubles, with one to spare. What a
- * step of 2^-26 leaves is of the order of its square. */
+/* Steps after which Newton's from a root that is right to 2^-8 are at the rounding of doubles, with one to spare. What
+ * a step of 2^-26 leaves is of the order of its square. */
 enum { POLISH_STEPS = 4 };
 static const double last_step = 0x1p-26;
 

@@ -20,7 +20,7 @@ static uint64_t ray_count = 40000, seed = 1;
 enum { RAYS_OF_PATCH = 50 };
 
 /* What the kernels promise of a hit (newton_tmpl.h), as numbers of their own: half of what they say must fail here. */
-static const double promised_accept = 4, promised_near = 0x1p-7;
+static const double promised_accept = 4, promised_near = 0x1p-5;
 
 /* One leaf, and a ray. */
 typedef struct visit {
@@ -100,9 +100,8 @@ static double distance(const root *a, double s, double t)
 static double accuracy_at(const visit *v, const root *r, double way)
 {
     const ep_leaf *leaf = v->piece.leaf;
-    const double st = leaf->noise_st + leaf->reach_st * way * v->sum;
-    const double h = leaf->noise_h + leaf->reach_h * way * v->sum;
     const double p[2] = {v->d[0] / v->d[2], v->d[1] / v->d[2]};
+    const double st = leaf->noise_st + leaf->reach * way * v->sum, h = leaf->noise_h + leaf->reach * way * v->sum;
     const double *ds = r->jet.ds, *dt = r->jet.dt;
     const double a = ds[0] - p[0] * ds[2], b = dt[0] - p[0] * dt[2], c = ds[1] - p[1] * ds[2], d = dt[1] - p[1] * dt[2];
     const double det = fabs(a * d - b * c);
@@ -118,7 +117,7 @@ static double accuracy_at(const visit *v, const root *r, double way)
 static double way_of(const visit *v)
 {
     const ep_leaf *leaf = v->piece.leaf;
-    return (leaf->height + leaf->reach_h * fabs(v->o[2] / v->d[2]) * v->sum) / fabs(v->d[2]);
+    return (leaf->height + leaf->reach * fabs(v->o[2] / v->d[2]) * v->sum) / fabs(v->d[2]);
 }
 
 /* The parameters of a hit, in leaf coordinates. */
@@ -147,17 +146,18 @@ static const char *describe(const visit *v, const root *r)
     return text;
 }
 
-/* The largest error of a normal whose tangents differ from the surface's by what `warp` allows, for both together, over
- * the way that they are carried; by `bend` times how far the hit is away; and by rounding. */
+/* The largest error of a normal whose tangents differ from the surface's by what `twist` allows, for both together,
+ * over the way that they are carried; by `bend` times how far the hit is away; and by rounding. */
 static double normal_limit(const visit *v, const root *r, double place)
 {
     const ep_leaf *leaf = v->piece.leaf;
     const double horner = 2 * (leaf->degree_s + leaf->degree_t) + 3;
     double off[3], a[3], most = 0;
     for (int c = 0; c < 3; ++c) {
-        const double warp = c < 2 ? leaf->warp_st : leaf->warp_h, bend = c < 2 ? leaf->bend_st : leaf->bend_h;
+        const double twist = c < 2 ? leaf->twist_st : leaf->twist_h, bend = c < 2 ? leaf->bend_st : leaf->bend_h;
         a[c] = fmax(fabs(r->jet.ds[c]), fabs(r->jet.dt[c]));
-        off[c] = warp * promised_near + bend * place + 0x1p-24 * (horner * horner * bend + 8 * (1 + a[c]));
+        off[c] = 1.5 * twist * promised_near * promised_near + bend * place +
+                 0x1p-24 * (horner * horner * bend + 8 * (1 + a[c]));
     }
     for (int c = 0; c < 3; ++c) {
         const int k = (c + 1) % 3, l = (c + 2) % 3;

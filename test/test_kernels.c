@@ -68,10 +68,10 @@ static answer run_single(const ep_kernels *k, const ep_leaf *leaf, const float *
         float ray[EP_RAY_FIELDS], t, hit[5];
         for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) ray[f] = p->f[f * n + i];
         const ep_outcome o = k->single[leaf->shape](leaf, net, ray, &t, hit, &counters);
-        a.o.hit |= (o.hit & 1) << i;
-        a.o.tie |= (o.tie & 1) << i;
-        a.o.vague |= (o.vague & 1) << i;
-        a.o.slow |= (o.slow & 1) << i;
+        a.o.hit |= (uint16_t)((o.hit & 1) << i);
+        a.o.tie |= (uint16_t)((o.tie & 1) << i);
+        a.o.vague |= (uint16_t)((o.vague & 1) << i);
+        a.o.slow |= (uint16_t)((o.slow & 1) << i);
         if (!(o.hit & 1)) continue;
         a.t[i] = t;
         for (unsigned f = 0; f < 5; ++f) a.hit[f * n + i] = hit[f];

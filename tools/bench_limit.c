@@ -43,10 +43,9 @@ typedef struct plane {
 INLINE plane plane_of(const ep_hierarchy *h, unsigned leaf)
 {
     const ep_leaf *l = &h->leaves[leaf];
-    const float side = l->side;
     if (h->patches[l->patch].kind == EP_KIND_TRIANGLE) /* about the centroid */
-        return (plane){l->centre, l->frame, -1.0f / 3 - side, INFINITY, 1.0f / 3 + 2 * side, l->patch};
-    return (plane){l->centre, l->frame, -0.5f - side, 0.5f + side, INFINITY, l->patch};
+        return (plane){l->centre, l->frame, -l->rim, INFINITY, 2 * l->rim - 1.0f / 3, l->patch};
+    return (plane){l->centre, l->frame, -l->rim, l->rim, INFINITY, l->patch};
 }
 
 /* Where the rays of a packet meet the plane. */

@@ -57,7 +57,7 @@ EP_INLINE void w_terms(const ep_leaf *leaf, const w_f x[3], w_f sum[3])
  */
 EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r, w_m active, w_way *way)
 {
-    const float extent = fmaxf((triangle ? 2 * EP_THIRD : EP_HALF) + leaf->side, leaf->height);
+    const float extent = fmaxf((triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle), leaf->height);
     const w_f one = w_set(1.0f);
     const w_3 far = w_origin(leaf, r);
     w_3 d = w_to_leaf(leaf, r->dir);
@@ -92,7 +92,7 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     /* rounding of quotients is as that of what is divided */
     const w_f little = w_set(EP_TERMS) * reach;
     const w_f astray = w_abs(w_fma(v.o.z, e.z, w_fma(v.o.y, e.y, v.o.x * e.x))) * over, most = limit + astray;
-    const w_f side = w_fma(per_st, most, w_set(leaf->side) + noise_st) + little;
+    const w_f side = w_fma(per_st, most, w_set(ep_leaf_side(leaf, triangle)) + noise_st) + little;
     const w_f height = w_fma(per_h, most, w_set(leaf->height) + noise_h) + little;
     way->from = -limit;
     way->to = limit;
@@ -109,6 +109,7 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     v.inverse = one / d.z;
     v.p_s = d.x * v.inverse;
     v.p_t = d.y * v.inverse;
+    v.p_max = w_max(w_abs(v.p_s), w_abs(v.p_t));
     v.way = v.far = v.radius = w_set(0.0f);
     v.s = v.o.x;
     v.t = v.o.y;

@@ -81,7 +81,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         v.s = at[0];
         v.t = at[1];
         w_clamp(triangle, &v.s, &v.t);
-        w_jet jet = w_jet_at(net, &v, triangle, m, n, rational);
+        w_surface jet = w_surface_at(net, &v, triangle, m, n, rational);
         const w_f along = w_fma(w_max(w_abs(through.d.x), w_abs(through.d.y)), reach, v.noise_st);
         v.radius = w_min((w_max(w_abs(jet.at.x), w_abs(jet.at.y)) + along) / w_set(1 - stretch), one);
 
@@ -93,7 +93,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, fresh);
         uint32_t live = w_bits(v.live), hit = 0;
         while (live) {
-            jet = w_jet_at(net, &v, triangle, m, n, rational);
+            jet = w_surface_at(net, &v, triangle, m, n, rational);
             here = w_here(&v);
             const w_step step = w_advance(leaf, &v, triangle, 1, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, step.stuck);

@@ -4,13 +4,14 @@
  *
  * Where a ray is nearly tangent F folds the leaf over: along the ray's way J is almost singular, there may be two
  * roots, and no neighbourhood that holds both shrinks. But F is nearly singular in that one direction only. With A = I
- * + R the part of J without the ray, g the height's gradient and H the model's second derivatives, all roots y + d in
- * the neighbourhood |d| <= e of y satisfy, tau being the height above the moved origin at which the ray meets them,
+ * + R the part of J without the ray, g the height's gradient and H the second derivatives at y, all roots y + d in the
+ * neighbourhood |d| <= e of y satisfy, tau being the height above the moved origin at which the ray meets them,
  *
  *     A d = p tau - S_st(y) + o_st - H_st d²/2 - rho_st,      tau = S_h(y) - o_h + g d + H_h d²/2 + rho_h,
  *
- * |rho| <= warp |d|²/2 + noise. Let tau0 be where the ray comes closest to y's foot, and tau = tau0 + x. A is nearly I.
- * So d = l + q with l = d0 + a x, a = A^-1 p, d0 = -A^-1 f, f = (S - o)_st - p tau0, and |q| <= |A^-1| (bend_st |d|²/2
+ * |rho| <= warp |d|²/2 + noise, warp = twist e and the rounding of H. Let tau0 be where the ray comes closest to y's
+ * foot, and tau = tau0 + x. A is nearly I. So d = l + q with l = d0 + a x, a = A^-1 p, d0 = -A^-1 f, f = (S - o)_st - p
+ * tau0, and |q| <= |A^-1| (bend_st |d|²/2
  * + noise_st), which is Q for |d| = e. Put into the second equation, with b = g A^-1 and K = H_h - b H_st,
  *
  *     |c0 + c1 x + c2 x²| <= N + W |d|²/2,
@@ -180,8 +181,8 @@ EP_INLINE void w_next(w_visit *v, w_stack *wait, w_m done)
 /* For the lanes in `stuck`, whose neighbourhood `here` does not shrink, `j` being the jet there, and roots with tau
  * between `first` and `last`: goes on with what is left of it, the nearer part along the ray first. Lanes without any
  * leave; those that this does not help are slow. */
-EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, const w_near *here, const w_jet *j,
-                      w_f first, w_f last, w_m stuck)
+EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, const w_near *here,
+                      const w_surface *j, w_f first, w_f last, w_m stuck)
 {
     const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f), outward = w_set(EP_OUTWARD);
     const w_f little = w_set(0x1p-20f);
@@ -200,9 +201,10 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
     const w_f b_t = w_fnma(j->ds.z, j->dt.x, j->dt.z * j->ds.x) * inverse;
     const w_f b = (w_abs(b_s) + w_abs(b_t)) * outward;
     w_f k[3];
+    const w_3 form[3] = {j->ss, {half * j->st.x, half * j->st.y, half * j->st.z}, j->tt};
     for (int c = 0; c < 3; ++c) {
-        const w_f s = w_set(leaf->half[c][0]), t = w_set(leaf->half[c][1]);
-        k[c] = w_fnma(b_t, t, w_fnma(b_s, s, w_set(leaf->half[c][2])));
+        const w_f s = form[c].x, t = form[c].y;
+        k[c] = w_fnma(b_t, t, w_fnma(b_s, s, form[c].z));
         f.bend[0][c] = w_fnma(j->dt.x, t, j->dt.y * s) * inverse;
         f.bend[1][c] = w_fnma(j->ds.y, s, j->ds.x * t) * inverse;
     }
@@ -214,7 +216,7 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
     /* tangents err by no more than twice the degree times what the point does */
     const w_f wide = w_fma(w_set(2.0f * (float)(leaf->degree_s + leaf->degree_t)), f.e, one) * outward;
     const w_f noise_st = wide * v->noise_st, noise_h = wide * v->noise_h;
-    const w_f bend_st = w_set(leaf->bend_st), warp_st = w_set(leaf->warp_st);
+    const w_f bend_st = w_set(leaf->bend_st);
     const w_f a = w_max(w_abs(f.a[0]), w_abs(f.a[1])), d0 = w_max(w_abs(f.d0[0]), w_abs(f.d0[1]));
 
     /* l is within q of the domain, and of the old neighbourhood */
@@ -230,6 +232,8 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
     const w_f l_max = w_max(w_max(ends[0][0], ends[0][1]), w_max(ends[1][0], ends[1][1])) * outward;
     f.e = w_min(l_max + q, f.e);
     const w_f half_e2 = half * outward * (f.e * f.e);
+    const w_f warp_st = w_fma(w_set(leaf->twist_st), f.e, w_set(leaf->bend_st * EP_CURVE));
+    const w_f warp_h = w_fma(w_set(leaf->twist_h), f.e, w_set(leaf->bend_h * EP_CURVE));
     q = i * w_fma(bend_st, half_e2, noise_st);
     const w_f most = w_fma(w_set(1.5f), q, f.e) * outward, cross = q * most;
     f.along = a * outward;
@@ -244,7 +248,7 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
     const w_f terms = w_fma(curved * l, l, w_abs(j->at.z) + w_abs(near)) +
                       w_fma(w_fma(curved, i * l, b), at, along * (b + b + one / a));
 
-    const w_f warp = w_fma(curved * i * bend_st, most, w_fma(b, warp_st, w_set(leaf->warp_h)));
+    const w_f warp = w_fma(curved * i * bend_st, most, w_fma(b, warp_st, warp_h));
     const w_f error = w_fma(curved * i * noise_st, most, w_fma(b, noise_st, noise_h)) + little * terms;
     const w_f z = i * bend_st * (half * f.e), grow = one / (one - z), strong = warp * grow * grow * outward;
     const w_f w2 = w_set(0.625f) * strong * (a * a), off = w_fma(i, noise_st, d0);

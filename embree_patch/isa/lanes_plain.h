@@ -124,6 +124,10 @@ static inline f4 f4_load(const float *p)
 {
     return w_load(p, 4);
 }
+static inline void f4_store(float *p, f4 a)
+{
+    memcpy(p, &a, sizeof a);
+}
 static inline f4 f4_fma(f4 a, f4 b, f4 c)
 {
     return w_fma(a, b, c);
@@ -149,8 +153,8 @@ static inline uint32_t f4_lt(f4 a, f4 b)
     return w_bits(a < b);
 }
 #define f4_lane(a, k) ((f4){(a)[k], (a)[k], (a)[k], (a)[k]})
-#define f4_swap(a) ((f4){(a)[1], (a)[0], (a)[2], (a)[3]})  /* the first two               */
-#define f4_next(a) ((f4){(a)[1], (a)[2], (a)[0], (a)[3]})  /* of the first three, in turn */
+#define f4_swap(a) ((f4){(a)[1], (a)[0], (a)[2], (a)[3]}) /* the first two               */
+#define f4_next(a) ((f4){(a)[1], (a)[2], (a)[0], (a)[3]}) /* of the first three, in turn */
 #define f4_high(a) ((f4){(a)[2], (a)[3], (a)[2], (a)[3]})
 #define f4_first(a, b) ((f4){(a)[0], (b)[1], (b)[2], (b)[3]}) /* the first of a, else b */
 #define f4_third(a, b) ((f4){(a)[0], (a)[1], (b)[2], (a)[3]}) /* the third of b, else a */

@@ -22,6 +22,10 @@ static inline f4 f4_load(const float *p)
 {
     return _mm_loadu_ps(p);
 }
+static inline void f4_store(float *p, f4 a)
+{
+    _mm_storeu_ps(p, a);
+}
 static inline f4 f4_fma(f4 a, f4 b, f4 c)
 {
     return _mm_fmadd_ps(a, b, c);

@@ -5,8 +5,11 @@
  * One ray a lane. single_tmpl.h does the same to one ray, operation for operation. */
 
 /* A hit is taken once its point is within this of where the tangents were evaluated, in leaf coordinates. The point is
- * then right to rounding; the tangents, carried over by the model's second derivatives, to 2^-8 of those' range. */
-#define EP_NEAR 0x1p-7f
+ * then right to rounding; the tangents, carried over by second derivatives, to 2^-11 of the third ones. */
+#define EP_NEAR 0x1p-5f
+
+/* Rounding of second derivatives, in bend: Horner's scheme of the highest degree errs by 103 eps of its terms. */
+#define EP_CURVE 0x1p-17f
 
 /* ... and once what Newton leaves is certain to be below this part of its rounding error, or below EP_ACCEPT times that
  * of a ray that meets the leaf squarely. Rounding errors seldom reach a tenth of their bound; what Newton leaves may.
@@ -14,14 +17,15 @@
 #define EP_REMAINDER 0.25f
 #define EP_ACCEPT 4.0f
 
+/* ... and once G e is below this. Then rounding has displaced it by less than 1.5 e, and what Newton leaves is less
+ * than e/6: G times both is below a half. There is a root, too: its distance from y is that of the first of Newton's
+ * steps, which quarter at least from there [Kantorovich]. */
+#define EP_SURE 0.25f
+
 /* A root that may be displaced by more than EP_FLAT along a leaf, where the ray is nearly tangent, is found again in
  * double; and so is one that may be farther than EP_SHARP on either side of the leaf's border. */
 #define EP_FLAT 0x1p-16f
 #define EP_SHARP 0x1p-18f
-
-/* A ray so nearly parallel to the leaf's plane that J's determinant, in which p all but cancels, is mostly rounding: it
- * is left to w_solve_grazing. */
-#define EP_STEEP 0x1p12f
 
 /* Rounding of a dozen operations. */
 #define EP_TERMS 0x1p-19f
@@ -37,22 +41,23 @@ typedef struct w_3 {
 
 /* What is known of a ray once it has entered a leaf. */
 typedef struct w_visit {
-    w_f p_s, p_t;          /* leaf.h: motion along the leaf per unit of height            */
-    w_f inverse;           /* 1 / (direction's height)                                    */
-    w_f moved;             /* how far the origin is moved, in t: usually to the plane     */
-    w_f far, way;          /* |t| |d| in the sum norm to there, and through the prism     */
-    w_3 o;                 /* the moved origin                                            */
-    w_f noise_st, noise_h; /* rounding of F                                           */
+    w_f p_s, p_t, p_max;   /* leaf.h: motion along the leaf per unit of height, and the larger */
+    w_f inverse;           /* 1 / (direction's height)                                         */
+    w_f moved;             /* how far the origin is moved, in t: usually to the plane          */
+    w_f far, way;          /* |t| |d| in the sum norm to there, and through the prism          */
+    w_3 o;                 /* the moved origin                                                 */
+    w_f noise_st, noise_h; /* rounding of F, where rays may be as good as parallel to the leaf */
     w_f s, t;              /* where to evaluate next                                      */
     w_f radius;            /* all roots are within this of it                             */
     w_m live;              /* neither certified to miss nor slow                          */
     w_m slow;
 } w_visit;
 
-/* The surface at (s, t), in leaf coordinates: S - o, and its derivatives. */
-typedef struct w_jet {
-    w_3 at, ds, dt;
-} w_jet;
+/* The surface at (s, t), in leaf coordinates: S - o, its derivatives, and half of the second ones, but all of the
+ * mixed. */
+typedef struct w_surface {
+    w_3 at, ds, dt, ss, st, tt;
+} w_surface;
 
 typedef struct w_step {
     w_f s, t, step_s, step_t; /* the improved Newton point, and the way there */
@@ -87,13 +92,14 @@ EP_INLINE w_f w_outside(int triangle, w_f s, w_f t)
     return w_max(w_max(-s, -t), s + t) - w_set(EP_THIRD);
 }
 
-/* A Newton step: J and one over its determinant, c - y, and the magnitudes of J^-1 and q = J^-1 p. */
+/* A Newton step: J and one over its determinant, c - y; w_solve_grazing has more. */
 typedef struct w_linear {
-    w_f ss, st, ts, tt, inverse, c_s, c_t, i, q;
-    w_f a_s, a_t, over, height; /* w_solve_grazing */
+    w_f ss, st, ts, tt, inverse, c_s, c_t;
+    w_f a_s, a_t, over, height;
+    w_f i, q; /* magnitudes of J^-1 and of q = J^-1 p */
 } w_linear;
 
-EP_INLINE w_linear w_solve(const w_visit *v, const w_jet *j)
+EP_INLINE w_linear w_solve(const w_visit *v, const w_surface *j)
 {
     w_linear l;
     const w_f f_s = w_fnma(v->p_s, j->at.z, j->at.x), f_t = w_fnma(v->p_t, j->at.z, j->at.y);
@@ -104,9 +110,6 @@ EP_INLINE w_linear w_solve(const w_visit *v, const w_jet *j)
     l.inverse = w_set(1.0f) / w_fnma(l.st, l.ts, l.ss * l.tt);
     l.c_s = w_fnma(l.tt, f_s, l.st * f_t) * l.inverse;
     l.c_t = w_fnma(l.ss, f_t, l.ts * f_s) * l.inverse;
-    const w_f size = w_abs(l.inverse);
-    l.i = w_max(w_abs(l.tt) + w_abs(l.st), w_abs(l.ts) + w_abs(l.ss)) * size;
-    l.q = w_max(w_abs(w_fnma(l.st, v->p_t, l.tt * v->p_s)), w_abs(w_fnma(l.ts, v->p_s, l.ss * v->p_t))) * size;
     return l;
 }
 
@@ -117,14 +120,14 @@ EP_INLINE w_linear w_solve(const w_visit *v, const w_jet *j)
  *
  * f is S - o less where the ray comes closest to it, so that nothing cancels in that. Here ss to tt and `inverse` are
  * A's, and J^-1 = A^-1 + a b^T / (1 - g a), b = g A^-1. */
-EP_INLINE w_3 w_answer(const w_linear *l, const w_jet *j, w_f f_s, w_f f_t, w_f f_h)
+EP_INLINE w_3 w_answer(const w_linear *l, const w_surface *j, w_f f_s, w_f f_t, w_f f_h)
 {
     const w_f d_s = w_fnma(l->tt, f_s, l->st * f_t) * l->inverse, d_t = w_fnma(l->ss, f_t, l->ts * f_s) * l->inverse;
     const w_f x = w_fma(j->dt.z, d_t, w_fma(j->ds.z, d_s, f_h)) * l->over;
     return (w_3){w_fma(l->a_s, x, d_s), w_fma(l->a_t, x, d_t), x};
 }
 
-EP_INLINE w_linear w_solve_grazing(const w_visit *v, const w_jet *j)
+EP_INLINE w_linear w_solve_grazing(const w_visit *v, const w_surface *j)
 {
     const w_f one = w_set(1.0f);
     w_linear l = {.ss = j->ds.x, .st = j->dt.x, .ts = j->ds.y, .tt = j->dt.y};
@@ -147,10 +150,34 @@ EP_INLINE w_linear w_solve_grazing(const w_visit *v, const w_jet *j)
     return l;
 }
 
+/* G, T and the noise of leaf.h, and the noise of heights. */
+typedef struct w_bounds {
+    w_f bend, twist, noise, noise_h;
+} w_bounds;
+
 /* |J^-1| st + |q| h */
 EP_INLINE w_f w_spread(const w_linear *l, w_f st, w_f h)
 {
     return w_fma(l->q, h, l->i * st);
+}
+
+EP_INLINE w_bounds w_bounds_grazing(const ep_leaf *leaf, const w_visit *v, const w_linear *l)
+{
+    return (w_bounds){w_spread(l, w_set(leaf->bend_st), w_set(leaf->bend_h)),
+                      w_spread(l, w_set(leaf->twist_st), w_set(leaf->twist_h)), w_spread(l, v->noise_st, v->noise_h),
+                      v->noise_h};
+}
+
+/* The same with less: J = B - p g^T, B = I + R, has cofactors that are linear in J, and those of p g^T take p to zero,
+ * so |det J| |q| = |cof B p| <= sigma |p|. Noise grows with the way through the prism. */
+EP_INLINE w_bounds w_bounds_of(const ep_leaf *leaf, const w_visit *v, const w_linear *l)
+{
+    const w_f inverse = w_abs(l->inverse), q = w_set(leaf->sigma) * v->p_max, more = w_set(leaf->reach) * v->way;
+    const w_f i = w_max(w_abs(l->tt) + w_abs(l->st), w_abs(l->ts) + w_abs(l->ss));
+    const w_f still = w_fma(q, w_set(leaf->noise_h), i * w_set(leaf->noise_st)) * inverse;
+    return (w_bounds){w_fma(q, w_set(leaf->bend_h), i * w_set(leaf->bend_st)) * inverse,
+                      w_fma(q, w_set(leaf->twist_h), i * w_set(leaf->twist_st)) * inverse,
+                      w_fma((i + q) * more, inverse, still), w_set(leaf->noise_h) + more};
 }
 
 /* `o`, `d`: origin relative to the leaf's centre (rounded) and direction, in leaf coordinates; `d_sum`: the
@@ -158,7 +185,6 @@ EP_INLINE w_f w_spread(const w_linear *l, w_f st, w_f h)
 EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d_sum, w_f tnear, w_f tfar, w_m active)
 {
     w_visit v;
-    const w_f edge = w_set(triangle ? EP_THIRD : EP_HALF);
     v.inverse = w_set(1.0f) / d.z;
     v.moved = -o.z * v.inverse;
     v.p_s = d.x * v.inverse;
@@ -166,24 +192,24 @@ EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d
     const w_f s = w_fma(v.moved, d.x, o.x), t = w_fma(v.moved, d.y, o.y);
 
     /* the prism, and what rounding adds to it: a root is within reach_s, reach_t of (s, t) */
-    const w_f far = w_abs(v.moved) * d_sum;
-    const w_f side = w_fma(w_set(leaf->reach_st), far, w_set(leaf->side));
-    const w_f height = w_fma(w_set(leaf->reach_h), far, w_set(leaf->height));
+    const w_f far = w_abs(v.moved) * d_sum, per = w_set(leaf->reach);
+    const w_f rim = w_fma(far, per, w_set(leaf->rim)), height = w_fma(far, per, w_set(leaf->height));
     const w_f p_s = w_abs(v.p_s), p_t = w_abs(v.p_t);
-    const w_f reach_s = w_fma(p_s, height, side), reach_t = w_fma(p_t, height, side);
+    const w_f reach_s = w_fma(p_s, height, rim), reach_t = w_fma(p_t, height, rim);
     const w_f reach = w_abs(v.inverse) * height;
     w_m out;
     if (triangle)
-        out = w_or(w_or(w_lt(edge + reach_s, -s), w_lt(edge + reach_t, -t)), w_lt(edge + (reach_s + reach_t), s + t));
-    else out = w_or(w_lt(edge + reach_s, w_abs(s)), w_lt(edge + reach_t, w_abs(t)));
+        out = w_or(w_or(w_lt(reach_s, -s), w_lt(reach_t, -t)), w_lt((reach_s + reach_t) - w_set(EP_THIRD), s + t));
+    else out = w_or(w_lt(reach_s, w_abs(s)), w_lt(reach_t, w_abs(t)));
     out = w_or(out, w_or(w_lt(tfar, v.moved - reach), w_lt(v.moved + reach, tnear)));
     /* where the height of a direction is so large that floats have no inverse of it nothing is known; a NaN is never
      * out */
     const w_m across = w_lt(w_set(0.0f), w_abs(v.inverse)), in = w_andnot(active, w_and(out, across));
 
-    v.way = d_sum * reach;
+    v.p_max = w_max(p_s, p_t);
     v.far = far;
-    v.live = w_and(in, w_and(across, w_lt(w_max(p_s, p_t), w_set(EP_STEEP))));
+    v.way = d_sum * reach;
+    v.live = w_and(in, w_and(across, w_and(w_lt(v.p_max, w_set(EP_STEEP)), w_lt(far * per, w_set(EP_ASTRAY)))));
     v.slow = w_andnot(in, v.live);
     v.s = s;
     v.t = t;
@@ -193,54 +219,56 @@ EP_INLINE w_visit w_enter(const ep_leaf *leaf, int triangle, w_3 o, w_3 d, w_f d
 /* The surface's own jet, and with it the improved Newton point c' and what follows from it. Lanes that it decides leave
  * v->live; `hit` are those with a root, at (s, t) and `height` above the moved origin. `grazing`, a constant: whether
  * rays may be as good as parallel to the leaf. */
-EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int grazing, const w_jet *j)
+EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int grazing, const w_surface *j)
 {
     w_step r;
     const w_f one = w_set(1.0f), half = w_set(0.5f);
     const w_linear l = grazing ? w_solve_grazing(v, j) : w_solve(v, j);
-    const w_f c_ss = l.c_s * l.c_s, c_st = (l.c_s + l.c_s) * l.c_t, c_tt = l.c_t * l.c_t;
-    w_f curve[3];
-    for (int c = 0; c < 3; ++c)
-        curve[c] =
-            w_fma(w_set(leaf->half[1][c]), c_st, w_fma(w_set(leaf->half[2][c]), c_tt, w_set(leaf->half[0][c]) * c_ss));
+    const w_f c_ss = l.c_s * l.c_s, c_st = l.c_s * l.c_t, c_tt = l.c_t * l.c_t;
+    const w_3 curve = {w_fma(j->st.x, c_st, w_fma(j->tt.x, c_tt, j->ss.x * c_ss)),
+                       w_fma(j->st.y, c_st, w_fma(j->tt.y, c_tt, j->ss.y * c_ss)),
+                       w_fma(j->st.z, c_st, w_fma(j->tt.z, c_tt, j->ss.z * c_ss))};
     if (grazing) {
-        const w_3 more = w_answer(&l, j, curve[0], curve[1], curve[2]);
+        const w_3 more = w_answer(&l, j, curve.x, curve.y, curve.z);
         r.step_s = l.c_s + more.x;
         r.step_t = l.c_t + more.y;
         r.height = l.height + more.z;
     } else {
-        const w_f v_s = w_fnma(v->p_s, curve[2], curve[0]), v_t = w_fnma(v->p_t, curve[2], curve[1]);
+        const w_f v_s = w_fnma(v->p_s, curve.z, curve.x), v_t = w_fnma(v->p_t, curve.z, curve.y);
         r.step_s = w_fma(w_fnma(l.tt, v_s, l.st * v_t), l.inverse, l.c_s);
         r.step_t = w_fma(w_fnma(l.ss, v_t, l.ts * v_s), l.inverse, l.c_t);
-        r.height = w_fma(j->dt.z, r.step_t, w_fma(j->ds.z, r.step_s, j->at.z + curve[2]));
+        r.height = w_fma(j->dt.z, r.step_t, w_fma(j->ds.z, r.step_s, j->at.z + curve.z));
     }
     r.s = v->s + r.step_s;
     r.t = v->t + r.step_t;
 
-    const w_f bend = w_spread(&l, w_set(leaf->bend_st), w_set(leaf->bend_h));
-    const w_f warp = w_spread(&l, w_set(leaf->warp_st), w_set(leaf->warp_h));
-    const w_f noise = w_spread(&l, v->noise_st, v->noise_h);
+    const w_bounds b = grazing ? w_bounds_grazing(leaf, v, &l) : w_bounds_of(leaf, v, &l);
+    const w_f bend = b.bend, twist = b.twist, noise = b.noise;
     const w_f length = w_max(w_abs(l.c_s), w_abs(l.c_t));
     const w_f way = length + noise, turn = bend * v->radius;
     const w_m unique = w_le(turn, one);
-    const w_f e = w_select(unique, w_min(v->radius, w_fma(turn, way, way)), v->radius), ge = bend * e;
-    const w_f third = w_fma(w_set(0.25f), ge, one), bound = half * e * w_fma(ge * ge, third, warp * e);
-    const w_f displaced = w_fma(noise, w_fma(half, w_fma(ge, ge, bend * noise), ge), noise);
+    /* never below the noise, so that G n <= G e */
+    const w_f e = w_select(unique, w_fma(turn, way, way), v->radius + noise), ge = bend * e;
+    const w_f third = w_fma(w_set(0.25f), ge, one),
+              bound = (half * e) * e * w_fma(twist, e, bend * w_fma(ge, third, w_set(EP_CURVE)));
+    const w_f displaced = w_fma(ge, w_fma(half, ge, w_set(1.5f)), one) * noise;
     const w_f margin = displaced + bound, outside = w_outside(triangle, r.s, r.t);
     /* errors add up in s + t, and in clamping to the triangle */
     r.radius = triangle ? margin + margin : margin;
     /* no root in D, or none in the neighbourhood */
-    const w_m miss = w_or(w_lt(r.radius, outside), w_lt(v->radius + margin, w_max(w_abs(r.step_s), w_abs(r.step_t))));
+    const w_m beside = w_lt(r.radius, outside);
+    const w_m apart = w_lt(v->radius + margin, w_max(w_abs(r.step_s), w_abs(r.step_t)));
     const w_m near = w_le(bound, w_max(w_set(EP_REMAINDER) * noise, w_set(EP_ACCEPT * leaf->noise_st)));
-    /* from c', too, Newton's method in double goes to this root: rounding may have displaced it by more than e */
-    const w_m sure = w_and(unique, w_le(bend * margin, one));
+    /* from c', too, Newton's method in double goes to this root */
+    const w_m sure = w_and(unique, w_le(ge, w_set(EP_SURE)));
     const w_m done = w_and(w_and(w_le(length, w_set(EP_NEAR)), near), sure);
     r.vague = w_or(w_lt(w_set(EP_FLAT), margin), w_and(w_lt(w_set(EP_SHARP), r.radius), w_le(-outside, r.radius)));
     /* the height's derivatives, at y and by how they turn, times how far the root may be from c', and what the model
      * leaves of it there: like b', of the height alone */
     const w_f far = length + margin, slope = w_fma(w_set(leaf->bend_h), far, w_abs(j->ds.z) + w_abs(j->dt.z));
-    const w_f lift = half * e * w_fma(w_set(leaf->bend_h) * ge, e * third, w_set(leaf->warp_h) * e);
-    r.late = w_fma(slope, margin, v->noise_h) + lift;
+    const w_f slack = w_fma(w_set(leaf->twist_h), e, w_set(leaf->bend_h) * w_fma(ge, third, w_set(EP_CURVE)));
+    const w_f lift = (half * e) * e * slack;
+    r.late = w_fma(slope, margin, b.noise_h) + lift;
     if (grazing) {
         /* along the leaf: |p| (tau - tau') is |A| |x* - c'| and what F_st is off by, which J^-1, of at least 1 / |A|,
          * takes to no more than the margin */
@@ -250,8 +278,8 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
     }
     r.late = r.late * w_abs(v->inverse);
     const w_m shrinks = w_lt(r.radius, w_set(0.75f) * v->radius);
-    r.hit = w_andnot(w_and(v->live, done), miss);
-    v->live = w_andnot(v->live, w_or(miss, done));
+    r.hit = w_andnot(w_and(v->live, done), beside);
+    v->live = w_andnot(v->live, w_or(w_or(beside, apart), done));
     r.stuck = w_andnot(v->live, shrinks);
     v->live = w_and(v->live, shrinks);
     w_f s = r.s, t = r.t;
@@ -281,22 +309,20 @@ EP_INLINE void w_parameters(const ep_leaf *leaf, int triangle, w_f s, w_f t, w_f
     *v = w_min(w_max(*v, zero), triangle ? one - *u : one);
 }
 
-/* Ng at the Newton point: the tangents' change over the step comes from the model's second derivatives. */
-EP_INLINE void w_normal(const ep_leaf *leaf, const w_jet *j, const w_step *r, w_f ng[3])
+/* Ng at the Newton point: the tangents' change over the step comes from the second derivatives. */
+EP_INLINE void w_normal(const ep_leaf *leaf, const w_surface *j, const w_step *r, w_f ng[3])
 {
-    const w_f jds[3] = {j->ds.x, j->ds.y, j->ds.z}, jdt[3] = {j->dt.x, j->dt.y, j->dt.z};
     const w_f twice_s = r->step_s + r->step_s, twice_t = r->step_t + r->step_t;
-    w_f a[3], b[3], n[3];
-    for (int c = 0; c < 3; ++c) {
-        const w_f ss = w_set(leaf->half[0][c]), st = w_set(leaf->half[1][c]), tt = w_set(leaf->half[2][c]);
-        a[c] = w_fma(st, twice_t, w_fma(ss, twice_s, jds[c]));
-        b[c] = w_fma(tt, twice_t, w_fma(st, twice_s, jdt[c]));
-    }
-    for (int c = 0; c < 3; ++c) {
-        const int k = (c + 1) % 3, l = (c + 2) % 3;
-        n[c] = w_set(leaf->volume) * w_fnma(a[l], b[k], a[k] * b[l]);
-    }
+    const w_3 a = {w_fma(j->st.x, r->step_t, w_fma(j->ss.x, twice_s, j->ds.x)),
+                   w_fma(j->st.y, r->step_t, w_fma(j->ss.y, twice_s, j->ds.y)),
+                   w_fma(j->st.z, r->step_t, w_fma(j->ss.z, twice_s, j->ds.z))};
+    const w_3 b = {w_fma(j->tt.x, twice_t, w_fma(j->st.x, r->step_s, j->dt.x)),
+                   w_fma(j->tt.y, twice_t, w_fma(j->st.y, r->step_s, j->dt.y)),
+                   w_fma(j->tt.z, twice_t, w_fma(j->st.z, r->step_s, j->dt.z))};
+    const w_f volume = w_set(leaf->volume);
+    const w_3 n = {volume * w_fnma(a.z, b.y, a.y * b.z), volume * w_fnma(a.x, b.z, a.z * b.x),
+                   volume * w_fnma(a.y, b.x, a.x * b.y)};
     for (int c = 0; c < 3; ++c)
-        ng[c] = w_fma(w_set(leaf->frame[c][2]), n[2],
-                      w_fma(w_set(leaf->frame[c][1]), n[1], w_set(leaf->frame[c][0]) * n[0]));
+        ng[c] =
+            w_fma(w_set(leaf->frame[c][2]), n.z, w_fma(w_set(leaf->frame[c][1]), n.y, w_set(leaf->frame[c][0]) * n.x));
 }

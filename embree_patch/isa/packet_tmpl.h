@@ -60,34 +60,41 @@ EP_INLINE w_3 w_move(const ep_leaf *leaf, const w_rays *r, w_f t)
     return w_to_leaf(leaf, moved);
 }
 
-/* The jet of S - o at (v->s, v->t). */
-EP_INLINE w_jet w_jet_at(const float *net, const w_visit *v, int triangle, unsigned m, unsigned n, int rational)
+/* S - o at (v->s, v->t). Of a quotient P = N / W, P_s = (N_s - P W_s) / W and P_ss = (N_ss - 2 P_s W_s - P W_ss) / W.
+ */
+EP_INLINE w_surface w_surface_at(const float *net, const w_visit *v, int triangle, unsigned m, unsigned n, int rational)
 {
     const int stride = rational ? 4 : 3;
-    w_f p[4], ds[4], dt[4];
-    for (int c = 0; c < stride; ++c) w_series(net + c, stride, triangle, m, n, v->s, v->t, &p[c], &ds[c], &dt[c]);
-    w_jet j;
+    w_jet p[4];
+    for (int c = 0; c < stride; ++c) p[c] = w_series(net + c, stride, triangle, m, n, v->s, v->t);
     if (rational) {
-        const w_f inverse = w_set(1.0f) / p[3];
+        const w_f inverse = w_set(1.0f) / p[3].f;
         for (int c = 0; c < 3; ++c) {
-            p[c] = p[c] * inverse;
-            ds[c] = w_fnma(p[c], ds[3], ds[c]) * inverse;
-            dt[c] = w_fnma(p[c], dt[3], dt[c]) * inverse;
+            p[c].f = p[c].f * inverse;
+            p[c].s = w_fnma(p[c].f, p[3].s, p[c].s) * inverse;
+            p[c].t = w_fnma(p[c].f, p[3].t, p[c].t) * inverse;
+            p[c].ss = w_fnma(p[c].f, p[3].ss, w_fnma(p[c].s, p[3].s, p[c].ss)) * inverse;
+            p[c].tt = w_fnma(p[c].f, p[3].tt, w_fnma(p[c].t, p[3].t, p[c].tt)) * inverse;
+            p[c].st = w_fnma(p[c].f, p[3].st, w_fnma(p[c].t, p[3].s, w_fnma(p[c].s, p[3].t, p[c].st))) * inverse;
         }
-        j.at = (w_3){p[0] - v->o.x, p[1] - v->o.y, p[2] - v->o.z};
-        j.ds = (w_3){ds[0], ds[1], ds[2]};
-        j.dt = (w_3){dt[0], dt[1], dt[2]};
+    }
+    w_surface j = {
+        .ss = {p[0].ss, p[1].ss, p[2].ss}, .st = {p[0].st, p[1].st, p[2].st}, .tt = {p[0].tt, p[1].tt, p[2].tt}};
+    if (rational) {
+        j.at = (w_3){p[0].f - v->o.x, p[1].f - v->o.y, p[2].f - v->o.z};
+        j.ds = (w_3){p[0].s, p[1].s, p[2].s};
+        j.dt = (w_3){p[0].t, p[1].t, p[2].t};
     } else {
         const w_f one = w_set(1.0f);
-        j.at = (w_3){(v->s - v->o.x) + p[0], (v->t - v->o.y) + p[1], p[2] - v->o.z};
-        j.ds = (w_3){ds[0] + one, ds[1], ds[2]};
-        j.dt = (w_3){dt[0], dt[1] + one, dt[2]};
+        j.at = (w_3){(v->s - v->o.x) + p[0].f, (v->t - v->o.y) + p[1].f, p[2].f - v->o.z};
+        j.ds = (w_3){p[0].s + one, p[1].s, p[2].s};
+        j.dt = (w_3){p[0].t, p[1].t + one, p[2].t};
     }
     return j;
 }
 
 /* Ng and u, v of the hits in `mask` into the rows of a hit packet. */
-EP_INLINE void w_put_hit(const ep_leaf *leaf, int triangle, const w_jet *jet, const w_step *step, float *hit,
+EP_INLINE void w_put_hit(const ep_leaf *leaf, int triangle, const w_surface *jet, const w_step *step, float *hit,
                          unsigned rays, uint32_t mask)
 {
     w_f u, v, ng[3];
@@ -102,7 +109,7 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
                               float *t_out, float *hit_out, EPCounters *counters, int triangle, unsigned m, unsigned n,
                               int rational)
 {
-    ep_outcome outcome = {0, 0, 0, 0};
+    uint32_t all_hit = 0, all_tie = 0, all_vague = 0, all_slow = 0;
     for (unsigned base = 0; base < rays; base += EP_LANES, ray += EP_LANES, t_out += EP_LANES, hit_out += EP_LANES) {
         const uint32_t lanes = active >> base & (uint32_t)((1ull << EP_LANES) - 1);
         if (!lanes) continue;
@@ -117,7 +124,7 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
             live = w_bits(visit.live);
         }
         while (live) {
-            const w_jet jet = w_jet_at(net, &visit, triangle, m, n, rational);
+            const w_surface jet = w_surface_at(net, &visit, triangle, m, n, rational);
             counters->evaluations += (unsigned)__builtin_popcount(live);
             const w_step step = w_advance(leaf, &visit, triangle, 0, &jet);
             visit.slow = w_or(visit.slow, step.stuck);
@@ -132,17 +139,17 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
             const uint32_t bits = w_bits(found);
             if (bits) {
                 hit |= bits;
-                outcome.tie |= w_bits(w_and(within, w_le(before, t))) << base;
-                outcome.vague |= w_bits(w_and(found, step.vague)) << base;
+                all_tie |= w_bits(w_and(within, w_le(before, t))) << base;
+                all_vague |= w_bits(w_and(found, step.vague)) << base;
                 w_store(t_out, bits, t);
                 w_put_hit(leaf, triangle, &jet, &step, hit_out, rays, bits);
             }
             live = w_bits(visit.live);
         }
-        outcome.slow |= w_bits(visit.slow) << base;
-        outcome.hit |= hit << base;
+        all_slow |= w_bits(visit.slow) << base;
+        all_hit |= hit << base;
     }
-    return outcome;
+    return (ep_outcome){(uint16_t)all_hit, (uint16_t)all_tie, (uint16_t)all_vague, (uint16_t)all_slow};
 }
 
 /* Before a filter: `valid` gets -1 and 0, tfar becomes the candidate's and what it was goes to `before`. */
@@ -174,7 +181,10 @@ static uint32_t w_settle(float *ray, unsigned rays, uint32_t mask, const float *
 static uint32_t w_active(const int *valid, unsigned rays)
 {
     uint32_t active = 0;
-    for (unsigned k = 0; k < rays; k += 4) active |= f4_load_mask(valid + k) << k;
+    if (rays < EP_LANES)
+        for (unsigned k = 0; k < rays; k += 4) active |= f4_load_mask(valid + k) << k;
+    else
+        for (unsigned k = 0; k < rays; k += EP_LANES) active |= w_load_mask(valid + k) << k;
     return active;
 }
 

@@ -10,9 +10,10 @@
 /* F's Jacobian: J^-1 (s, t) = (m_0 s - n_0 t, m_1 t - n_1 s) inverse. */
 typedef struct f4_linear {
     f4 m, n, inverse;
-    f4 c;       /* the Newton point less y            */
-    float i, q; /* magnitudes of J^-1 and of J^-1 p */
+    f4 c; /* the Newton point less y */
 } f4_linear;
+
+#define EP_SELDOM(x) __builtin_expect(x, 0)
 
 EP_INLINE float f1_fma(float a, float b, float c)
 {
@@ -79,44 +80,40 @@ EP_INLINE f4_linear f4_solve(f4 p, f4 at, f4 ds, f4 dt)
     const f4 det = f4_fnma(l.n, f4_first(s_by, t_by), l.m * f4_first(by_s, by_t));
     l.inverse = f4_set(1.0f) / det;
     l.c = f4_fnma(l.m, f, l.n * f4_swap(f)) * l.inverse;
-    const f4 i = f4_abs(l.m) + f4_abs(l.n), q = f4_abs(f4_fnma(l.n, f4_swap(p), l.m * p));
-    const float size = f4_abs(l.inverse)[0];
-    l.i = f1_max(i[0], i[1]) * size;
-    l.q = f1_max(q[0], q[1]) * size;
     return l;
 }
 
-EP_INLINE float f4_spread(const f4_linear *l, float st, float h)
-{
-    return f1_fma(l->q, h, l->i * st);
-}
-
-/* S - o and the tangents at x. */
-EP_INLINE void f4_jet(const float *net, f4 x, f4 o, int triangle, unsigned m, unsigned n, int rational, f4 *at, f4 *ds,
-                      f4 *dt)
+/* w_surface_at: S - o and its derivatives at x. */
+EP_INLINE f4_jet f4_surface_at(const float *net, f4 x, f4 o, int triangle, unsigned m, unsigned n, int rational)
 {
     /* x + -0 is x, to the sign of a zero */
     const f4 one_s = {1, -0.0f, -0.0f, -0.0f}, one_t = {-0.0f, 1, -0.0f, -0.0f};
-    f4_series(net, rational ? 4 : 3, triangle, m, n, f4_lane(x, 0), f4_lane(x, 1), at, ds, dt);
+    f4_jet j = f4_series(net, rational ? 4 : 3, triangle, m, n, f4_lane(x, 0), f4_lane(x, 1));
     if (rational) {
-        const f4 inverse = f4_set(1.0f) / f4_lane(*at, 3);
-        *at = *at * inverse;
-        *ds = f4_fnma(*at, f4_lane(*ds, 3), *ds) * inverse;
-        *dt = f4_fnma(*at, f4_lane(*dt, 3), *dt) * inverse;
-        *at = *at - o;
+        const f4 inverse = f4_set(1.0f) / f4_lane(j.f, 3), w_s = f4_lane(j.s, 3), w_t = f4_lane(j.t, 3);
+        j.f = j.f * inverse;
+        j.s = f4_fnma(j.f, w_s, j.s) * inverse;
+        j.t = f4_fnma(j.f, w_t, j.t) * inverse;
+        j.ss = f4_fnma(j.f, f4_lane(j.ss, 3), f4_fnma(j.s, w_s, j.ss)) * inverse;
+        j.tt = f4_fnma(j.f, f4_lane(j.tt, 3), f4_fnma(j.t, w_t, j.tt)) * inverse;
+        j.st = f4_fnma(j.f, f4_lane(j.st, 3), f4_fnma(j.t, w_s, f4_fnma(j.s, w_t, j.st))) * inverse;
+        j.f = j.f - o;
     } else {
-        *at = f4_third((x - o) + *at, *at - o);
-        *ds = *ds + one_s;
-        *dt = *dt + one_t;
+        j.f = f4_third((x - o) + j.f, j.f - o);
+        j.s = j.s + one_s;
+        j.t = j.t + one_t;
     }
+    return j;
 }
 
 /* Ng, u and v at x, `a` and `b` being the tangents there. */
 EP_INLINE void f4_put_hit(const ep_leaf *leaf, int triangle, f4 x, f4 a, f4 b, float *hit)
 {
     const f4 n = f4_set(leaf->volume) * f4_next(f4_fnma(f4_next(a), b, a * f4_next(b)));
-    for (int c = 0; c < 3; ++c)
-        hit[EP_HIT_NG + c] = f1_fma(leaf->frame[c][2], n[2], f1_fma(leaf->frame[c][1], n[1], leaf->frame[c][0] * n[0]));
+    const float *f = leaf->frame[0], n_s = n[0], n_t = n[1], n_h = n[2];
+    const float x_ng = f1_fma(f[2], n_h, f1_fma(f[1], n_t, f[0] * n_s));
+    const float y_ng = f1_fma(f[5], n_h, f1_fma(f[4], n_t, f[3] * n_s));
+    const float z_ng = f1_fma(f[8], n_h, f1_fma(f[7], n_t, f[6] * n_s));
     const f4 edge = f4_set(triangle ? EP_THIRD : EP_HALF), one = f4_set(1.0f), zero = f4_set(0.0f);
     const f4 domain = f4_load(leaf->domain), from = x + edge;
     f4 base = domain;
@@ -125,8 +122,43 @@ EP_INLINE void f4_put_hit(const ep_leaf *leaf, int triangle, f4 x, f4 a, f4 b, f
     uv = f4_max(uv, zero);
     const f4 u = f4_min(uv, one);
     uv = f4_first(u, f4_min(uv, triangle ? one - f4_lane(u, 0) : one));
-    hit[EP_HIT_U] = uv[0];
+    f4_store(hit + EP_HIT_NG, (f4){x_ng, y_ng, z_ng, uv[0]}); /* at once, as it is loaded by ep_offer_one */
     hit[EP_HIT_V] = uv[1];
+}
+
+/* What w_start asks of a ray against a leaf's graph. */
+typedef struct f1_graph {
+    float c0, c1, c2, p, e_st, high, p_max;
+} f1_graph;
+
+/* w_near_root's answer: whether there is a root to begin at. */
+typedef enum f1_answer { F1_ROOT, F1_NONE, F1_UNCLEAR } f1_answer;
+
+static __attribute__((noinline)) f1_answer f1_near_root(const ep_leaf *leaf, const f1_graph *g, int triangle, f4 p,
+                                                        f4 plane, float inverse, float moved, float tnear, float *tau,
+                                                        float *delta)
+{
+    const float room = (triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle);
+    const float four = 4.0f * g->c2, width = f1_abs(four) * g->p, d = f1_fma(-four, g->c0, g->c1 * g->c1);
+    const float twice = g->c2 + g->c2, size = f1_abs(twice), far = f1_abs(g->c1);
+    if (d + width < 0) return F1_NONE;
+    if (!(width < 0.75f * d)) {
+        const float spread = f1_sqrt(f1_max(d + width, 0.0f)) * (1 + 0x1p-10f);
+        const f4 u = f4_fnma(p, f4_set(g->c1), plane * f4_set(twice));
+        const float sum = f1_fma(g->p_max, far, f4_norm(plane) * size);
+        const float beside = f1_fma(EP_TERMS, sum, f1_fma(g->p_max, spread, (room + g->e_st) * size));
+        return f1_fma(g->high, size, spread) < far || beside < f4_norm(u) ? F1_NONE : F1_UNCLEAR;
+    }
+    const float root = f1_sqrt(d), q = far + root, over = 1.0f / (q * root), twice_c0 = g->c0 + g->c0;
+    *delta = (1.5f * g->p) * (q * over);
+    *tau = ((g->c1 < 0 ? twice_c0 : -twice_c0) * root) * over;
+    const float within = g->high + *delta, q_2 = g->c1 < 0 ? q : -q, about = f1_fma(g->p_max, *delta, g->e_st);
+    const f4 u_2 = f4_fma(p, f4_set(q_2), plane * f4_set(twice));
+    const float t_2 = (twice < 0 ? -q_2 : q_2) * inverse;
+    const float late =
+        f1_fma(f1_fma(EP_TERMS, within, *delta), f1_abs(inverse), EP_TERMS * (f1_abs(moved) + f1_abs(tnear)));
+    const bool behind = f1_fma(late, size, t_2) < (tnear - moved) * size;
+    return q <= within * size && f4_norm(u_2) <= (room + about) * size && !behind ? F1_UNCLEAR : F1_ROOT;
 }
 
 EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const float *ray, float *t_out, float *hit_out,
@@ -137,143 +169,114 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
     const float tnear = ray[EP_RAY_TNEAR], tfar = ray[EP_RAY_TFAR];
     const f4 frame[3] = {f4_load(leaf->frame[0]), f4_load(leaf->frame[1]), f4_load(leaf->frame[2])};
     const f4 centre = f4_load(leaf->centre), centre_low = f4_load(leaf->centre_low), relative = org - centre;
+    ++counters->visits;
 
     /* enter */
     const f4 near = f4_to_leaf(frame, relative - centre_low), d = f4_to_leaf(frame, dir), da = f4_abs(dir);
     const float d_sum = (da[0] + da[1]) + da[2];
     const f4 inverse = f4_set(1.0f) / f4_lane(d, 2), t_plane = -f4_lane(near, 2) * inverse;
-    const f4 p = d * inverse, plane = f4_fma(t_plane, d, near);
+    const f4 p = d * inverse, plane = f4_fma(t_plane, d, near), p_abs = f4_abs(p);
     const float far = f4_abs(t_plane)[0] * d_sum;
-    const float side = f1_fma(leaf->reach_st, far, leaf->side);
-    const float height = f1_fma(leaf->reach_h, far, leaf->height);
-    const f4 along = f4_fma(f4_abs(p), f4_set(height), f4_set(side));
-    const float reach = f4_abs(inverse)[0] * height;
-    const f4 bound = f4_set(triangle ? EP_THIRD : EP_HALF) + along;
-    ++counters->visits;
+    /* rim, height, graph and foot, for a ray from so far away */
+    const f4 off = f4_fma(f4_set(far), f4_set(leaf->reach), f4_load(&leaf->rim));
+    const f4 prism = f4_fma(p_abs, f4_lane(off, 1), f4_lane(off, 0));
+    const float high = off[1], reach = f4_abs(inverse)[0] * high;
     if (!(f4_abs(inverse)[0] > 0)) {
         ++counters->solves;
         return slow;
     }
-    if (f4_lt(bound, triangle ? -plane : f4_abs(plane)) & 3) return none;
-    if (triangle && EP_THIRD + (along[0] + along[1]) < plane[0] + plane[1]) return none;
+    if (f4_lt(prism, triangle ? -plane : f4_abs(plane)) & 3) return none;
+    if (triangle && (prism[0] + prism[1]) - EP_THIRD < plane[0] + plane[1]) return none;
     if (tfar < t_plane[0] - reach || t_plane[0] + reach < tnear) return none;
     ++counters->solves;
-    if (!(f4_norm(p) < EP_STEEP)) return slow;
+    const float p_max = f4_norm(p), astray = leaf->reach * far;
+    if (!(p_max < EP_STEEP && astray < EP_ASTRAY)) return slow;
 
-    /* move, start */
-    const float way = d_sum * reach;
-    const f4 back = relative - org, low = ((org - (relative - back)) - (centre + back)) - centre_low;
-    const f4 o = f4_to_leaf(frame, f4_fma(t_plane, dir, relative) + low);
-    const float noise_st = f1_fma(leaf->reach_st, way, leaf->noise_st);
-    const float noise_h = f1_fma(leaf->reach_h, way, leaf->noise_h);
-    const f4 ss = f4_load(leaf->half[0]), st = f4_load(leaf->half[1]), tt = f4_load(leaf->half[2]);
-    float radius;
-    f4 x;
-    {
-        /* the graph */
-        const float extent = triangle ? 2 * EP_THIRD : EP_HALF, room = extent + leaf->side;
-        const float ss_h = leaf->half[0][2], st_h = leaf->half[1][2], tt_h = leaf->half[2][2];
-        const float s = plane[0], t = plane[1], p_s = p[0], p_t = p[1];
-        const float g_s = f1_fma(st_h, t, ss_h * s), g_t = f1_fma(tt_h, t, st_h * s);
-        const float c0 = f1_fma(t, g_t, f1_fma(s, g_s, leaf->middle));
-        const float c1 = f1_fma(p_t + p_t, g_t, f1_fma(p_s + p_s, g_s, -1.0f));
-        const float c2 = f1_fma(p_t, f1_fma(tt_h, p_t, st_h * p_s), p_s * f1_fma(st_h, p_t, ss_h * p_s));
-
-        const float e_st = f1_fma(leaf->reach_st, far, noise_st), e_h = f1_fma(leaf->reach_h, far, noise_h);
-        const float p_max = f4_norm(p), high = leaf->height + e_h, along = f1_fma(p_max, high, f4_norm(plane));
-        const float terms = f1_fma(leaf->bend_h * along, along, high + high);
-        const float error = f1_fma(EP_TERMS, terms, f1_fma(leaf->bend_h * room, e_st, leaf->graph + e_h));
-
-        /* its root */
-        const float y = 1.0f / c1, e = c0 * y, ratio = (4.0f * c2) * y, z = e * ratio;
-        const float spread = f1_abs(y) * error, slope = EP_SERIES_SLOPE * spread;
-        float tau = -e * f1_fma(z, f1_fma(z, f1_fma(z, 5.0f / 64, 1.0f / 8), 1.0f / 4), 1.0f);
-        float delta = f1_fma(EP_SERIES_REST, f1_abs(e), f1_fma(slope, f1_abs(z), slope));
-        if (!(f1_abs(z) <= EP_SERIES_Z && f1_abs(ratio) * spread <= EP_SERIES_WIDTH &&
-              f1_abs(ratio) * (high + delta) <= EP_SERIES_OTHER)) {
-            const float four = 4.0f * c2, width = f1_abs(four) * error;
-            const float d = f1_fma(-four, c0, c1 * c1);
-            if (d + width < 0) return none;
-            if (!(width < 0.75f * d)) {
-                const float spread = f1_sqrt(f1_max(d + width, 0.0f)) * (1 + 0x1p-10f);
-                const float twice = c2 + c2, size = f1_abs(twice);
-                const f4 u = f4_fnma(p, f4_set(c1), plane * f4_set(twice));
-                const float sum = f1_fma(p_max, f1_abs(c1), f4_norm(plane) * size);
-                const float beside = f1_fma(EP_TERMS, sum, f1_fma(p_max, spread, (room + e_st) * size));
-                return f1_fma(high, size, spread) < f1_abs(c1) || beside < f4_norm(u) ? none : slow;
-            }
-            const float root = f1_sqrt(d), q = f1_abs(c1) + root, over = 1.0f / (q * root), twice_c0 = c0 + c0;
-            delta = (1.5f * error) * (q * over);
-            tau = ((c1 < 0 ? twice_c0 : -twice_c0) * root) * over;
-            const float twice = c2 + c2, size = f1_abs(twice), within = high + delta, q_2 = c1 < 0 ? q : -q;
-            const float about = f1_fma(p_max, delta, e_st);
-            const f4 u_2 = f4_fma(p, f4_set(q_2), plane * f4_set(twice));
-            const float t_2 = (twice < 0 ? -q_2 : q_2) * inverse[0];
-            const float late = f1_fma(f1_fma(EP_TERMS, within, delta), f1_abs(inverse[0]),
-                                      EP_TERMS * (f1_abs(t_plane[0]) + f1_abs(tnear)));
-            const bool behind = f1_fma(late, size, t_2) < (tnear - t_plane[0]) * size;
-            if (q <= within * size && f4_norm(u_2) <= (room + about) * size && !behind) return slow;
-        }
-
-        /* and the point there */
-        const f4 u = f4_fma(p, f4_set(tau), plane);
-        const float about = f1_fma(p_max, delta, e_st), beside = leaf->side + about;
-        if (!(f1_abs(tau) <= high + delta && f4_outside(triangle, u) <= (triangle ? beside + beside : beside)))
-            return none;
-        const f4 u_s = f4_lane(u, 0), u_t = f4_lane(u, 1);
-        const f4 h_s = f4_fma(st, u_t, ss * u_s), h_t = f4_fma(tt, u_t, st * u_s);
-        const f4 m_u = f4_fma(h_t, u_t, h_s * u_s), twice = m_u + m_u;
-        x = f4_fma(h_s, f4_lane(twice, 0), f4_fma(h_t, f4_lane(twice, 1), u - m_u));
-        const float k = leaf->bend_st * f1_fma(triangle ? 4.0f : 1.0f, beside, extent);
-        const float once = f1_fma(f1_fma(f1_fma(1.5f, k, 1.0f), k, 1.0f), about, leaf->foot);
-        const float off = triangle ? once + once : once;
-        if (off < f4_outside(triangle, x)) return none;
-        radius = f1_min(off, 1.0f);
-        x = f4_clamp(triangle, x);
+    /* start: the graph's equation */
+    const float ss_h = leaf->half[0][2], st_h = leaf->half[1][2], tt_h = leaf->half[2][2];
+    const float s = plane[0], t = plane[1], p_s = p[0], p_t = p[1];
+    const float g_s = f1_fma(st_h, t, ss_h * s), g_t = f1_fma(tt_h, t, st_h * s);
+    const float c0 = f1_fma(t, g_t, f1_fma(s, g_s, leaf->middle));
+    const float c1_2 = f1_fma(p_t, g_t, f1_fma(p_s, g_s, -0.5f));
+    const float c2 = f1_fma(p_t, f1_fma(tt_h, p_t, st_h * p_s), p_s * f1_fma(st_h, p_t, ss_h * p_s));
+    const float y = 1.0f / c1_2, e0 = c0 * y, ratio = c2 * y, z = e0 * ratio, size = f1_abs(z);
+    const float spread = f1_abs(y) * off[2], slope = EP_EASY_SLOPE * spread;
+    float tau = -e0 * 0.5f;
+    float delta = f1_fma(size, f1_fma(EP_EASY_REST, f1_abs(e0), slope), slope);
+    if (EP_SELDOM(!(size <= EP_EASY_Z && f1_abs(ratio) * spread <= EP_EASY_WIDTH &&
+                    f1_abs(ratio) * (high + delta) <= EP_EASY_OTHER))) {
+        const f1_graph g = {c0, c1_2 + c1_2, c2, off[2], astray, high, p_max};
+        float exact[2];
+        const f1_answer a =
+            f1_near_root(leaf, &g, triangle, p, plane, inverse[0], t_plane[0], tnear, &exact[0], &exact[1]);
+        if (a != F1_ROOT) return a == F1_NONE ? none : slow;
+        tau = exact[0];
+        delta = exact[1];
     }
 
+    /* ... and the point there */
+    const float about = f1_fma(leaf->reach, far, p_max * delta);
+    const f4 u = f4_fma(p, f4_set(tau), plane);
+    if (!(about <= EP_ABOUT)) return slow;
+    const f4 ss = f4_load(leaf->half[0]), st = f4_load(leaf->half[1]), tt = f4_load(leaf->half[2]);
+    const f4 u_s = f4_lane(u, 0), u_t = f4_lane(u, 1);
+    const f4 h_s = f4_fma(st, u_t, ss * u_s), h_t = f4_fma(tt, u_t, st * u_s);
+    f4 x = f4_fnma(h_t, u_t, f4_fnma(h_s, u_s, u));
+    float radius = f1_fma(w_from_foot(leaf, triangle), about, leaf->foot);
+    if (triangle) radius = radius + radius;
+    if (!(f1_abs(tau) <= high + delta && f4_outside(triangle, x) <= radius)) return none;
+    x = f4_clamp(triangle, x);
+
+    const f4 back = relative - org, low = ((org - (relative - back)) - (centre + back)) - centre_low;
+    const f4 o = f4_to_leaf(frame, f4_fma(t_plane, dir, relative) + low);
+    const float more = leaf->reach * (d_sum * reach);
     for (;;) {
-        f4 at, ds, dt;
-        f4_jet(net, x, o, triangle, m, n, rational, &at, &ds, &dt);
+        const f4_jet j = f4_surface_at(net, x, o, triangle, m, n, rational);
         ++counters->evaluations;
 
         /* advance */
-        const f4_linear l = f4_solve(p, at, ds, dt);
-        const float c_s = l.c[0], c_t = l.c[1];
-        const f4 curve = f4_fma(st, f4_set((c_s + c_s) * c_t), f4_fma(tt, f4_set(c_t * c_t), ss * f4_set(c_s * c_s)));
+        const f4_linear l = f4_solve(p, j.f, j.s, j.t);
+        const f4 c = l.c, cc = c * c, mixed = c * f4_swap(c);
+        const f4 curve = f4_fma(j.st, f4_lane(mixed, 0), f4_fma(j.tt, f4_lane(cc, 1), j.ss * f4_lane(cc, 0)));
         const f4 v = f4_fnma(p, f4_lane(curve, 2), curve);
-        const f4 step = f4_fma(f4_fnma(l.m, v, l.n * f4_swap(v)), l.inverse, l.c);
+        const f4 step = f4_fma(f4_fnma(l.m, v, l.n * f4_swap(v)), l.inverse, c);
         const f4 found = x + step, step_s = f4_lane(step, 0), step_t = f4_lane(step, 1);
-        const float bend = f4_spread(&l, leaf->bend_st, leaf->bend_h);
-        const float warp = f4_spread(&l, leaf->warp_st, leaf->warp_h);
-        const float noise = f4_spread(&l, noise_st, noise_h);
-        const float length = f4_norm(l.c), around = length + noise, turn = bend * radius;
-        const bool unique = turn <= 1.0f;
-        const float e = unique ? f1_min(radius, f1_fma(turn, around, around)) : radius, ge = bend * e;
-        const float third = f1_fma(0.25f, ge, 1.0f), bound = 0.5f * e * f1_fma(ge * ge, third, warp * e);
-        const float displaced = f1_fma(noise, f1_fma(0.5f, f1_fma(ge, ge, bend * noise), ge), noise);
-        const float margin = displaced + bound, outside = f4_outside(triangle, found);
-        const float left = triangle ? margin + margin : margin;
-        if (left < outside || radius + margin < f4_norm(step)) return none;
-        if (length <= EP_NEAR && bound <= f1_max(EP_REMAINDER * noise, EP_ACCEPT * leaf->noise_st) && unique &&
-            bend * margin <= 1.0f) {
-            const bool vague = EP_FLAT < margin || (EP_SHARP < left && -outside <= left);
-            const f4 above = f4_fma(dt, step_t, f4_fma(ds, step_s, at + curve));
-            const float t = f1_fma(above[2], inverse[0], t_plane[0]);
-            if (!(tnear < t && t <= tfar)) {
+
+        /* what it is worth */
+        const float i = f4_norm(f4_abs(l.m) + f4_abs(l.n)), q = leaf->sigma * p_max;
+        const f4 over = f4_abs(f4_lane(l.inverse, 0));
+        const f4 bounds = f4_fma(f4_set(q), f4_load(&leaf->bend_h), f4_set(i) * f4_load(&leaf->bend_st)) * over;
+        const float bend = bounds[0], noise = f1_fma((i + q) * more, over[0], bounds[1]), twist = bounds[2];
+        const float length = f4_norm(c), around = length + noise, turn = bend * radius;
+        const bool unique = !EP_SELDOM(!(turn <= 1.0f));
+        const float e = unique ? f1_fma(turn, around, around) : radius + noise, ge = bend * e;
+        const float third = f1_fma(0.25f, ge, 1.0f),
+                    bound = (0.5f * e) * e * f1_fma(twist, e, bend * f1_fma(ge, third, EP_CURVE));
+        const float margin = f1_fma(ge, f1_fma(0.5f, ge, 1.5f), 1.0f) * noise + bound;
+        const float outside = f4_outside(triangle, found), left = triangle ? margin + margin : margin;
+        if (left < outside) return none;
+        if (!EP_SELDOM(!(length <= EP_NEAR && bound <= f1_max(EP_REMAINDER * noise, EP_ACCEPT * leaf->noise_st) &&
+                         unique && ge <= EP_SURE))) {
+            const bool vague = EP_SELDOM(EP_SHARP < left) && (EP_FLAT < margin || -outside <= left);
+            const f4 above = f4_fma(j.t, step_t, f4_fma(j.s, step_s, j.f + curve));
+            const float k = f1_fma(above[2], inverse[0], t_plane[0]);
+            if (!(tnear < k && k <= tfar)) {
                 if (!vague) return none;
-                const float slope = f1_fma(leaf->bend_h, length + margin, f1_abs(ds[2]) + f1_abs(dt[2]));
-                const float lift = 0.5f * e * f1_fma(leaf->bend_h * ge, e * third, leaf->warp_h * e);
-                const float late = f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(t),
-                                          (f1_fma(slope, margin, noise_h) + lift) * f1_abs(inverse[0]));
-                if (!(tnear < t + late && t - late <= tfar)) return none;
+                const float bend_h = leaf->bend_h;
+                const float grade = f1_fma(bend_h, length + margin, f1_abs(j.s[2]) + f1_abs(j.t[2]));
+                const float slack = f1_fma(leaf->twist_h, e, bend_h * f1_fma(ge, third, EP_CURVE));
+                const float lift = (0.5f * e) * e * slack;
+                const float late = f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(k),
+                                          (f1_fma(grade, margin, (leaf->noise_h + more)) + lift) * f1_abs(inverse[0]));
+                if (!(tnear < k + late && k - late <= tfar)) return none;
             }
-            *t_out = t;
+            *t_out = k;
             const f4 twice_s = step_s + step_s, twice_t = step_t + step_t;
-            f4_put_hit(leaf, triangle, found, f4_fma(st, twice_t, f4_fma(ss, twice_s, ds)),
-                       f4_fma(tt, twice_t, f4_fma(st, twice_s, dt)), hit_out);
-            return (ep_outcome){1, t == tfar, vague, 0};
+            f4_put_hit(leaf, triangle, found, f4_fma(j.st, step_t, f4_fma(j.ss, twice_s, j.s)),
+                       f4_fma(j.tt, twice_t, f4_fma(j.st, step_s, j.t)), hit_out);
+            return (ep_outcome){1, k == tfar, vague, 0};
         }
+        if (radius + margin < f4_norm(step)) return none;
         if (!(left < 0.75f * radius)) return slow;
         x = f4_clamp(triangle, found);
         radius = left;

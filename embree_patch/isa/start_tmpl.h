@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: Apache-2.0
  *
  * Seen from the plane the leaf is a graph, its height over its feet u = x + r_st(x), and along the ray u = u0 + p tau
- * where its height is tau. With H the second derivatives at the middle, and a plane from which the graph has no linear
- * terms but those that cancel cubic ones, a hit has
+ * where its height is tau. With H/2 the forms of the model, and a frame from which the graph has no linear terms but
+ * those that cancel cubic ones, a hit has
  *
  *     |c0 + c1 tau + c2 tau²| <= P,   c0 = middle + H_h u0²/2,  c1 = H_h u0 p - 1,  c2 = H_h p²/2,
  *
@@ -20,7 +20,7 @@ typedef struct w_graph {
 EP_INLINE w_graph w_meet_graph(const ep_leaf *leaf, const w_visit *v, int triangle, w_f e_st, w_f e_h, w_f high)
 {
     w_graph g;
-    const float reach = (triangle ? 2 * EP_THIRD : EP_HALF) + leaf->side;
+    const float reach = (triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle);
     const w_f s = v->s, t = v->t;
     const w_f ss = w_set(leaf->half[0][2]), st = w_set(leaf->half[1][2]), tt = w_set(leaf->half[2][2]);
     const w_f g_s = w_fma(st, t, ss * s), g_t = w_fma(tt, t, st * s);
@@ -38,25 +38,32 @@ EP_INLINE w_graph w_meet_graph(const ep_leaf *leaf, const w_visit *v, int triang
     return g;
 }
 
-/* The point over the foot (u_s, u_t), which is in D give or take `about`: x = u - m + H_st u m, m = H_st u²/2. Returns
- * how far that may be off: `foot`, and by at most 1 + k + 3/2 k² times what u is, k = |H_st| |u|. */
-EP_INLINE w_f w_above(const ep_leaf *leaf, int triangle, w_f u_s, w_f u_t, w_f about, w_f x[2])
+/* The point over the foot (u_s, u_t): x = u - m, m = H_st u²/2. */
+EP_INLINE void w_over(const ep_leaf *leaf, w_f u_s, w_f u_t, w_f x[2])
 {
-    const w_f one = w_set(1.0f), beside = w_set(leaf->side) + about;
-    w_f h_s[2], h_t[2], m[2], twice[2];
+    const w_f u[2] = {u_s, u_t};
     for (int c = 0; c < 2; ++c) {
         const w_f ss = w_set(leaf->half[0][c]), st = w_set(leaf->half[1][c]), tt = w_set(leaf->half[2][c]);
-        h_s[c] = w_fma(st, u_t, ss * u_s);
-        h_t[c] = w_fma(tt, u_t, st * u_s);
-        m[c] = w_fma(h_t[c], u_t, h_s[c] * u_s);
-        twice[c] = m[c] + m[c];
+        x[c] = w_fnma(w_fma(tt, u_t, st * u_s), u_t, w_fnma(w_fma(st, u_t, ss * u_s), u_s, u[c]));
     }
-    x[0] = w_fma(h_s[0], twice[0], w_fma(h_t[0], twice[1], u_s - m[0]));
-    x[1] = w_fma(h_s[1], twice[0], w_fma(h_t[1], twice[1], u_t - m[1]));
-    /* the triangle's corner is where both coordinates of a foot are farthest out */
+}
+
+/* How much farther than a foot x may be off, beside `foot`: 1 + k, k = |H_st| |u|, for a foot that is in D give or take
+ * EP_ABOUT. The triangle's corner is where both coordinates of a foot are farthest out. */
+EP_INLINE float w_from_foot(const ep_leaf *leaf, int triangle)
+{
+    const float u = triangle ? __builtin_fmaf(4, leaf->rim, 4 * EP_ABOUT - 2 * EP_THIRD) : leaf->rim + EP_ABOUT;
+    return __builtin_fmaf(leaf->bend_st, u, 1);
+}
+
+/* The same, for any foot that is in D give or take `about`. Returns how far x may be off. */
+EP_INLINE w_f w_above(const ep_leaf *leaf, int triangle, w_f u_s, w_f u_t, w_f about, w_f x[2])
+{
+    w_over(leaf, u_s, u_t, x);
+    const w_f one = w_set(1.0f), beside = w_set(ep_leaf_side(leaf, triangle)) + about;
     const w_f k =
         w_set(leaf->bend_st) * w_fma(w_set(triangle ? 4.0f : 1.0f), beside, w_set(triangle ? 2 * EP_THIRD : EP_HALF));
-    const w_f once = w_fma(w_fma(w_fma(w_set(1.5f), k, one), k, one), about, w_set(leaf->foot));
+    const w_f once = w_fma(k + one, about, w_set(leaf->foot));
     return triangle ? once + once : once;
 }
 
@@ -83,7 +90,8 @@ EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_grap
     r.tau = (w_select(falls, twice_c0, -twice_c0) * root) * inverse;
     /* the other is at tau_2 = q_2 / (2 c2) */
     const w_f twice = g->c2 + g->c2, size = w_abs(twice), within = g->high + r.delta;
-    const w_f q_2 = w_select(falls, q, -q), room = w_set((triangle ? 2 * EP_THIRD : EP_HALF) + leaf->side);
+    const w_f q_2 = w_select(falls, q, -q),
+              room = w_set((triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle));
     const w_f about = w_fma(g->p_max, r.delta, g->e_st);
     const w_f u_2 = w_max(w_abs(w_fma(v->p_s, q_2, v->s * twice)), w_abs(w_fma(v->p_t, q_2, v->t * twice)));
     const w_f t_2 = w_select(w_lt(twice, zero), -q_2, q_2) * v->inverse; /* from the plane, times |2 c2| */
@@ -102,56 +110,60 @@ EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_grap
     return r;
 }
 
-/* For most rays a series will do: with y = 1/c1, e = c0 y and z = 4 c2 e y, the smaller root is
+/* For most rays one step of Newton's, from the plane, will do: with y = 1/c1, e = c0 y and z = 4 c2 e y, the smaller
+ * root is
  *
- *     -2 e / (1 + sqrt(1 - z)) = -e (1 + z/4 + z²/8 + 5/64 z³ + ...),
+ *     -2 e / (1 + sqrt(1 - z)) = -e (1 + z/4 + z²/8 + ...),
  *
- * whose next term and all after it are below 0.007 if |z| <= 1/2. A hit is no farther from it than P |y| times the mean
- * of 1/sqrt(1 - z - x) for x from 0 to 4 |c2| P y², which is below 1.07 (1 + |z|) if that is at most 1/8. The other
- * root is farther than (1 + sqrt(1/2)) / |2 c2 y| from the plane. */
-#define EP_SERIES_Z 0.5f
-#define EP_SERIES_REST 0.007f
-#define EP_SERIES_WIDTH 0.125f
-#define EP_SERIES_SLOPE 1.07f
-#define EP_SERIES_OTHER 3.4f
+ * which is within 0.344 |z e| of -e if |z| <= 1/2. A hit is no farther from it than P |y| times the mean of
+ * (1 - z - x)^-1/2 for x from 0 to 4 |c2| P y², which is below 1.07 (1 + |z|) if that is at most 1/8. The other root is
+ * farther than (1 + sqrt(1/2)) / |2 c2 y| from the plane. Computed with c1/2, so with 2 y and 2 e. */
+#define EP_EASY_Z 0.5f
+#define EP_EASY_REST (0.5f * 0.344f)
+#define EP_EASY_WIDTH 0.125f
+#define EP_EASY_SLOPE (0.5f * 1.07f)
+#define EP_EASY_OTHER 1.7f
 
 /* Where iteration begins: over the foot u0 + p tau. Rays with two roots, and those that are too nearly tangent, are
- * slow. */
+ * slow. `graph` and `foot` hold for all rays that have entered, and grow with how far they have come. */
 EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f tnear)
 {
-    const w_f one = w_set(1.0f);
     v->o = o;
-    v->noise_st = w_fma(w_set(leaf->reach_st), v->way, w_set(leaf->noise_st));
-    v->noise_h = w_fma(w_set(leaf->reach_h), v->way, w_set(leaf->noise_h));
-    const w_f e_st = w_fma(w_set(leaf->reach_st), v->far, v->noise_st);
-    const w_f e_h = w_fma(w_set(leaf->reach_h), v->far, v->noise_h);
-    const w_graph g = w_meet_graph(leaf, v, triangle, e_st, e_h, w_set(leaf->height) + e_h);
-    const w_f y = one / g.c1, e = g.c0 * y, ratio = (w_set(4.0f) * g.c2) * y, z = e * ratio;
-    const w_f spread = w_abs(y) * g.p, slope = w_set(EP_SERIES_SLOPE) * spread;
-    const w_f series = w_fma(z, w_fma(z, w_fma(z, w_set(5.0f / 64), w_set(1.0f / 8)), w_set(1.0f / 4)), one);
-    w_root r = {.tau = -e * series, .none = w_mask(0), .unclear = w_mask(0)};
-    r.delta = w_fma(w_set(EP_SERIES_REST), w_abs(e), w_fma(slope, w_abs(z), slope));
-    const w_m easy = w_and(w_le(w_abs(z), w_set(EP_SERIES_Z)),
-                           w_and(w_le(w_abs(ratio) * spread, w_set(EP_SERIES_WIDTH)),
-                                 w_le(w_abs(ratio) * (g.high + r.delta), w_set(EP_SERIES_OTHER))));
+    const w_f s = v->s, t = v->t;
+    const w_f ss = w_set(leaf->half[0][2]), st = w_set(leaf->half[1][2]), tt = w_set(leaf->half[2][2]);
+    const w_f g_s = w_fma(st, t, ss * s), g_t = w_fma(tt, t, st * s);
+    const w_f c0 = w_fma(t, g_t, w_fma(s, g_s, w_set(leaf->middle)));
+    const w_f c1_2 = w_fma(v->p_t, g_t, w_fma(v->p_s, g_s, w_set(-0.5f)));
+    const w_f c2 = w_fma(v->p_t, w_fma(tt, v->p_t, st * v->p_s), v->p_s * w_fma(st, v->p_t, ss * v->p_s));
+    const w_f high = w_fma(v->far, w_set(leaf->reach), w_set(leaf->height));
+    const w_f p = w_fma(v->far, w_set(leaf->reach), w_set(leaf->graph));
+    const w_f y = w_set(1.0f) / c1_2, e = c0 * y, ratio = c2 * y, z = e * ratio, size = w_abs(z);
+    const w_f spread = w_abs(y) * p, slope = w_set(EP_EASY_SLOPE) * spread;
+    w_root r = {.tau = -e * w_set(0.5f), .none = w_mask(0), .unclear = w_mask(0)};
+    r.delta = w_fma(size, w_fma(w_set(EP_EASY_REST), w_abs(e), slope), slope);
+    const w_m easy =
+        w_and(w_le(size, w_set(EP_EASY_Z)), w_and(w_le(w_abs(ratio) * spread, w_set(EP_EASY_WIDTH)),
+                                                  w_le(w_abs(ratio) * (high + r.delta), w_set(EP_EASY_OTHER))));
     const w_m hard = w_andnot(v->live, easy);
     if (w_bits(hard)) {
+        const w_graph g = {c0, c1_2 + c1_2, c2, p, w_set(leaf->reach) * v->far, high, v->p_max};
         const w_root exact = w_near_root(leaf, v, &g, triangle, tnear);
         r.tau = w_select(hard, exact.tau, r.tau);
         r.delta = w_select(hard, exact.delta, r.delta);
         r.none = w_and(hard, exact.none);
         r.unclear = w_and(hard, exact.unclear);
     }
-    const w_f about = w_fma(g.p_max, r.delta, g.e_st), beside = w_set(leaf->side) + about;
-    const w_f u_s = w_fma(v->p_s, r.tau, v->s), u_t = w_fma(v->p_t, r.tau, v->t);
-    const w_m in = w_and(w_le(w_abs(r.tau), g.high + r.delta),
-                         w_le(w_outside(triangle, u_s, u_t), triangle ? beside + beside : beside));
-    const w_m left = w_andnot(v->live, r.none), slow = w_and(left, r.unclear);
+    const w_f about = w_fma(w_set(leaf->reach), v->far, v->p_max * r.delta);
+    const w_f u_s = w_fma(v->p_s, r.tau, s), u_t = w_fma(v->p_t, r.tau, t);
+    const w_m left = w_andnot(v->live, r.none), start = w_andnot(left, r.unclear);
+    const w_m vain = w_andnot(start, w_le(about, w_set(EP_ABOUT)));
     w_f x[2];
-    const w_f off = w_above(leaf, triangle, u_s, u_t, about, x);
-    v->slow = w_or(v->slow, slow);
-    v->live = w_andnot(w_andnot(w_and(left, in), slow), w_lt(off, w_outside(triangle, x[0], x[1])));
-    v->radius = w_min(off, one);
+    w_over(leaf, u_s, u_t, x);
+    const w_f off = w_fma(w_set(w_from_foot(leaf, triangle)), about, w_set(leaf->foot));
+    v->radius = triangle ? off + off : off;
+    const w_m in = w_and(w_le(w_abs(r.tau), high + r.delta), w_le(w_outside(triangle, x[0], x[1]), v->radius));
+    v->slow = w_or(v->slow, w_or(w_and(left, r.unclear), vain));
+    v->live = w_and(w_andnot(start, vain), in);
     w_clamp(triangle, &x[0], &x[1]);
     v->s = x[0];
     v->t = x[1];

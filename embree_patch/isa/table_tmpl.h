@@ -14,12 +14,14 @@
 typedef w_f w_v;
 #define w_v_load(p) w_set(*(p))
 #define w_v_fma w_fma
+#define w_v_zero w_set(0.0f)
 #define X(name) w_##name
 #include "embree_patch/isa/series_tmpl.h"
 #undef X
 typedef f4 f4_v;
 #define f4_v_load(p) f4_load(p)
 #define f4_v_fma f4_fma
+#define f4_v_zero f4_set(0.0f)
 #define X(name) f4_##name
 #include "embree_patch/isa/series_tmpl.h"
 #undef X

@@ -51,7 +51,7 @@ EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray
         w_begin(leaf, &v, &wait, triangle, &way, &first, &last);
         uint32_t live = w_bits(v.live), hit[2] = {0, 0};
         while (live) {
-            const w_jet jet = w_jet_at(net, &v, triangle, m, n, rational);
+            const w_surface jet = w_surface_at(net, &v, triangle, m, n, rational);
             const w_near here = w_here(&v);
             const w_step step = w_advance(leaf, &v, triangle, 1, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, first, last, step.stuck);

@@ -99,7 +99,7 @@ static uint32_t search_patch(const ep_query *outer, uint32_t patch, uint32_t act
 {
     const ep_hierarchy *all = &outer->geometry->hierarchy;
     const ep_trim *trim = all->trims[patch];
-    ep_leaf whole = {.domain = {0, 0, 1, 1, 0, 0}, .height = INFINITY, .side = INFINITY, .patch = patch};
+    ep_leaf whole = {.domain = {0, 0, 1, 1, 0, 0}, .height = INFINITY, .rim = INFINITY, .patch = patch};
     ep_hierarchy only = {.patches = all->patches, .trims = all->trims, .leaves = &whole, .boxes = &all->boxes[patch]};
     if (trim) {
         whole.trim = 1; /* the trim's first node decides any point */
