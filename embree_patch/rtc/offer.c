@@ -3,54 +3,25 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "embree_patch/rtc/offer.h"
 
-#include <math.h>
-#include <string.h>
-
-/* Loads wait for stores that they overlap but in part. So what the single-ray kernel loads at once is stored at once
- * below, and the query, which has just been written member by member, copied like that. */
-typedef float quad __attribute__((vector_size(16), may_alias));
-
 void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one)
 {
-    const unsigned n = packet->n;
-    const float *from = packet->ray + lane;
-    for (unsigned f = 0; f < EP_RAY_FIELDS; f += 4)
-        *(quad *)(one->ray + f) = (quad){from[f * n], from[(f + 1) * n], from[(f + 2) * n], from[(f + 3) * n]};
-    one->query = (ep_query){.intersect = packet->intersect,
-                            .occluded = packet->occluded,
-                            .geometry = packet->geometry,
-                            .hierarchy = packet->hierarchy,
-                            .leaf = packet->leaf,
-                            .net = packet->net,
-                            .context = packet->context,
-                            .ray = one->ray,
-                            .n = 1,
-                            .geom_id = packet->geom_id};
+    ep_gather(packet, lane, EP_RAY_FIELDS, one->ray);
+    one->query = *packet;
+    one->query.ray = one->ray;
+    one->query.n = 1;
+}
+
+void ep_take_hit(const ep_query *packet, unsigned lane, ep_lane *one)
+{
     if (!packet->intersect) return;
-    /* what ep_in_front looks at */
-    for (unsigned f = EP_RAY_FIELDS; f < EP_RAY_FIELDS + HIT_FIELDS; ++f) one->ray[f] = packet->ray[f * n + lane];
+    for (unsigned f = EP_RAY_FIELDS; f < EP_RAY_FIELDS + HIT_FIELDS; ++f)
+        one->ray[f] = packet->ray[f * packet->n + lane];
 }
 
 void ep_put_lane(const ep_lane *one, const ep_query *packet, unsigned lane)
 {
     const unsigned n = packet->n, fields = packet->intersect ? EP_RAY_FIELDS + HIT_FIELDS : EP_RAY_FIELDS;
     for (unsigned f = EP_RAY_TFAR; f < fields; ++f) packet->ray[f * n + lane] = one->ray[f];
-}
-
-/* Ids of what is hit, as they stand in a hit from HIT_PRIM on. */
-enum { IDS = HIT_FIELDS - HIT_PRIM };
-
-static void ids_of(const ep_query *q, uint32_t id[IDS])
-{
-    id[0] = q->leaf->patch;
-    id[HIT_GEOM - HIT_PRIM] = q->geom_id;
-    uint32_t *inst = &id[HIT_INST - HIT_PRIM];
-    for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
-        inst[l] = q->context->instID[l];
-#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
-        inst[RTC_MAX_INSTANCE_LEVEL_COUNT + l] = q->context->instPrimID[l];
-#endif
-    }
 }
 
 bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
@@ -61,12 +32,12 @@ bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
     if (t < tfar) return true;
     if (!q->intersect) return false;
     const float *hit = q->ray + EP_RAY_FIELDS * n;
-    uint32_t own[IDS], met[IDS];
-    ids_of(q, own);
-    for (unsigned k = 0; k < IDS; ++k) memcpy(&met[k], &hit[(HIT_PRIM + k) * n + lane], sizeof met[k]);
+    uint32_t own[HIT_IDS], met[HIT_IDS];
+    ep_ids_of(q, own);
+    for (unsigned k = 0; k < HIT_IDS; ++k) memcpy(&met[k], &hit[(HIT_PRIM + k) * n + lane], sizeof met[k]);
     if (met[HIT_GEOM - HIT_PRIM] == RTC_INVALID_GEOMETRY_ID) return false; /* tfar is the ray's own end */
-    for (unsigned k = 0; k < IDS; ++k) {
-        const unsigned at = k + 2 < IDS ? k + 2 : IDS - 1 - k; /* instances, geometry, primitive */
+    for (unsigned k = 0; k < HIT_IDS; ++k) {
+        const unsigned at = k + 2 < HIT_IDS ? k + 2 : HIT_IDS - 1 - k; /* instances, geometry, primitive */
         if (own[at] != met[at]) return own[at] < met[at];
     }
     static const unsigned fields[] = {EP_HIT_U, EP_HIT_V, EP_HIT_NG, EP_HIT_NG + 1, EP_HIT_NG + 2};
@@ -142,18 +113,9 @@ static void fill_row(float *hit, unsigned row, unsigned n, unsigned value)
 
 static void fill_ids(const ep_query *q, float *hit)
 {
-    uint32_t id[IDS];
-    ids_of(q, id);
-    for (unsigned k = 0; k < IDS; ++k) fill_row(hit, HIT_PRIM + k, q->n, id[k]);
-}
-
-static void filter(const ep_query *q, int *valid, ep_candidates *c)
-{
-    const struct RTCFilterFunctionNArguments args = {
-        valid, q->geometry, q->context, (struct RTCRayN *)q->ray, (struct RTCHitN *)c->hit, q->n};
-    fill_ids(q, c->hit);
-    if (q->intersect) ep_rtc_filter_intersection(q->intersect, &args);
-    else ep_rtc_filter_occlusion(q->occluded, &args);
+    uint32_t id[HIT_IDS];
+    ep_ids_of(q, id);
+    for (unsigned k = 0; k < HIT_IDS; ++k) fill_row(hit, HIT_PRIM + k, q->n, id[k]);
 }
 
 uint32_t ep_offer(const ep_query *q, uint32_t mask, ep_candidates *c)
@@ -161,24 +123,13 @@ uint32_t ep_offer(const ep_query *q, uint32_t mask, ep_candidates *c)
     const ep_kernels *kernels = q->geometry->kernels;
     if (q->leaf->trim) mask = inside(q, mask, c);
     if (!mask) return 0;
+    if (q->n == 1) return ep_offer_one(q, c->t[0], c->hit);
     alignas(64) int valid[EP_PACKET];
     alignas(64) float before[EP_PACKET];
     float *tfar = q->ray + EP_RAY_TFAR * q->n;
-    if (q->n == 1) {
-        valid[0] = -1;
-        before[0] = *tfar;
-        *tfar = c->t[0];
-        filter(q, valid, c);
-        if (!valid[0]) {
-            *tfar = before[0];
-            return 0;
-        }
-        if (q->intersect) memcpy(q->ray + EP_RAY_FIELDS, c->hit, HIT_FIELDS * sizeof(float));
-        else *tfar = -INFINITY;
-        return 1;
-    }
     kernels->offer(q->ray, q->n, mask, c->t, before, valid);
-    filter(q, valid, c);
+    fill_ids(q, c->hit);
+    ep_ask_filters(q, valid, c->hit);
     const uint32_t accepted = kernels->settle(q->ray, q->n, mask, before, valid);
     if (q->intersect) kernels->commit(q->ray, q->n, accepted, c->hit, HIT_FIELDS);
     else

@@ -11,6 +11,9 @@
 #include "embree_patch/rtc/rtc_compat.h"
 #include "embree_patch/solve.h"
 
+#include <math.h>
+#include <string.h>
+
 #ifdef RTC_GEOMETRY_INSTANCE_ARRAY
 enum { HIT_FIELDS = 7 + 2 * RTC_MAX_INSTANCE_LEVEL_COUNT };
 #else
@@ -43,8 +46,77 @@ typedef struct ep_lane {
     alignas(16) float ray[EP_RAY_FIELDS + HIT_FIELDS];
 } ep_lane;
 
-/* Takes one ray out of a packet, and puts what it has met back. */
+/* Ids of what is hit, as they stand in a hit from HIT_PRIM on. */
+enum { HIT_IDS = HIT_FIELDS - HIT_PRIM };
+
+static inline void ep_ids_of(const ep_query *q, uint32_t id[HIT_IDS])
+{
+    id[0] = q->leaf->patch;
+    id[HIT_GEOM - HIT_PRIM] = q->geom_id;
+    uint32_t *inst = &id[HIT_INST - HIT_PRIM];
+    for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
+        inst[l] = q->context->instID[l];
+#ifdef RTC_GEOMETRY_INSTANCE_ARRAY
+        inst[RTC_MAX_INSTANCE_LEVEL_COUNT + l] = q->context->instPrimID[l];
+#endif
+    }
+}
+
+/* Asks the filters about the hits that `valid` names; `hit` is an RTCHit<n> with its ids. */
+static inline void ep_ask_filters(const ep_query *q, int *valid, float *hit)
+{
+    const struct RTCFilterFunctionNArguments args = {
+        valid, q->geometry, q->context, (struct RTCRayN *)q->ray, (struct RTCHitN *)hit, q->n};
+    if (q->intersect) ep_rtc_filter_intersection(q->intersect, &args);
+    else ep_rtc_filter_occlusion(q->occluded, &args);
+}
+
+/* Loads wait for stores that they overlap but in part. The kernel stores Ng and u at once, and everything else comes
+ * word by word. */
+static inline void ep_copy_hit(const float *hit, float *to)
+{
+    typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
+    *(quad *)to = *(const quad *)hit;
+    for (unsigned k = EP_HIT_V; k < HIT_FIELDS; ++k) {
+        uint32_t word;
+        memcpy(&word, &hit[k], sizeof word);
+        __asm__("" : "+r"(word)); /* a word, not a part of four */
+        memcpy(&to[k], &word, sizeof word);
+    }
+}
+
+/* ep_offer for a packet of one whose leaf has no trim. In line, because that is how most rays end. */
+static inline bool ep_offer_one(const ep_query *q, float t, float hit[HIT_FIELDS])
+{
+    int valid = -1;
+    float *tfar = q->ray + EP_RAY_TFAR;
+    const float before = *tfar;
+    uint32_t id[HIT_IDS];
+    ep_ids_of(q, id);
+    memcpy(hit + HIT_PRIM, id, sizeof id);
+    *tfar = t;
+    ep_ask_filters(q, &valid, hit);
+    if (!valid) *tfar = before;
+    else if (q->intersect) ep_copy_hit(hit, q->ray + EP_RAY_FIELDS);
+    else *tfar = -INFINITY;
+    return valid;
+}
+
+/* The first `fields` of a ray of a packet, side by side: four at once, as the single-ray kernel loads them. */
+static inline void ep_gather(const ep_query *packet, unsigned lane, unsigned fields, float *ray)
+{
+    typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
+    const unsigned n = packet->n;
+    const float *from = packet->ray + lane;
+    unsigned f = 0;
+    for (; f + 4 <= fields; f += 4, from += 4 * n)
+        *(quad *)(ray + f) = (quad){from[0], from[n], from[2 * n], from[3 * n]};
+    for (; f < fields; ++f, from += n) ray[f] = from[0];
+}
+
+/* Takes one ray out of a packet, and its hit, which only ep_in_front looks at; puts what it has met back. */
 void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one);
+void ep_take_hit(const ep_query *packet, unsigned lane, ep_lane *one);
 void ep_put_lane(const ep_lane *one, const ep_query *packet, unsigned lane);
 
 static inline const ep_patch *ep_patch_of(const ep_query *q)

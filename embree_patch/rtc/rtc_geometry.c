@@ -37,17 +37,39 @@ static inline bool is_open(ep_outcome o)
     return (o.hit | o.slow) != 0;
 }
 
-static inline ep_outcome meet(EPGeometry g, const ep_leaf *leaf, const float *net, const float *ray, ep_candidates *c,
-                              EPCounters *counters)
+/* What a single ray meets. */
+typedef struct found {
+    ep_outcome outcome;
+    float t;
+    alignas(16) float hit[HIT_FIELDS];
+} found;
+
+static inline void meet(EPGeometry g, const ep_leaf *leaf, const float *net, const float *ray, EPCounters *counters,
+                        found *f)
 {
-    return g->kernels->single[leaf->shape](leaf, net, ray, c->t, c->hit, counters);
+    f->outcome = g->kernels->single[leaf->shape](leaf, net, ray, &f->t, f->hit, counters);
+}
+
+/* Most visits that end with a hit have a certain one, and ask no trim. */
+static inline bool is_plain(const ep_leaf *leaf, ep_outcome o)
+{
+    return o.hit && !(o.tie | o.vague | o.slow) && !leaf->trim;
+}
+
+static __attribute__((noinline)) uint32_t answer_single(const ep_query *q, const found *f, EPCounters *counters)
+{
+    ep_candidates c;
+    c.t[0] = f->t;
+    for (unsigned k = 0; k < HIT_PRIM; ++k) c.hit[k] = f->hit[k];
+    return answer(q, f->outcome, &c, counters);
 }
 
 static uint32_t run_single(const ep_query *q, EPCounters *counters)
 {
-    ep_candidates c;
-    const ep_outcome o = meet(q->geometry, q->leaf, q->net, q->ray, &c, counters);
-    return is_open(o) ? answer(q, o, &c, counters) : 0;
+    found f;
+    meet(q->geometry, q->leaf, q->net, q->ray, counters, &f);
+    if (is_plain(q->leaf, f.outcome)) return ep_offer_one(q, f.t, f.hit);
+    return is_open(f.outcome) ? answer_single(q, &f, counters) : 0;
 }
 
 /* A packet's few active rays, one at a time: for up to two that is cheaper, and gives the same bits. */
@@ -56,9 +78,19 @@ static uint32_t run_sparse(const ep_query *q, uint32_t active, EPCounters *count
     uint32_t accepted = 0;
     for (; active; active &= active - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(active);
+        alignas(16) float ray[EP_RAY_TFAR + 1];
+        found f;
+        ep_gather(q, lane, EP_RAY_TFAR + 1, ray);
+        meet(q->geometry, q->leaf, q->net, ray, counters, &f);
+        if (!is_open(f.outcome)) continue;
         ep_lane one;
         ep_take_lane(q, lane, &one);
-        if (!run_single(&one.query, counters)) continue;
+        if (is_plain(q->leaf, f.outcome)) {
+            if (!ep_offer_one(&one.query, f.t, f.hit)) continue;
+        } else {
+            ep_take_hit(q, lane, &one);
+            if (!answer_single(&one.query, &f, counters)) continue;
+        }
         accepted |= 1u << lane;
         ep_put_lane(&one, q, lane);
     }
@@ -129,12 +161,12 @@ static __attribute__((noinline)) void intersect_packet(const struct RTCIntersect
     ep_visit(&q, args->valid);
 }
 
-static __attribute__((noinline)) void intersect_found(const struct RTCIntersectFunctionNArguments *args, ep_outcome o,
-                                                      ep_candidates *c, EPCounters *counters)
+static __attribute__((noinline)) void intersect_closer(const struct RTCIntersectFunctionNArguments *args,
+                                                       const found *f, EPCounters *counters)
 {
     ep_query q;
     intersect_query(&q, args);
-    ep_rtc_report(args->valid, 0, answer(&q, o, c, counters));
+    ep_rtc_report(args->valid, 0, answer_single(&q, f, counters));
 }
 
 static void intersect(const struct RTCIntersectFunctionNArguments *args)
@@ -146,10 +178,14 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
     if (!args->valid[0]) return;
     const EPGeometry g = args->geometryUserPtr;
     EPCounters *counters = ep_counters();
-    ep_candidates c;
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
-    const ep_outcome o = meet(g, leaf, g->hierarchy.nets + leaf->net, (const float *)args->rayhit, &c, counters);
-    if (is_open(o)) intersect_found(args, o, &c, counters);
+    found f;
+    meet(g, leaf, g->hierarchy.nets + leaf->net, (const float *)args->rayhit, counters, &f);
+    if (is_plain(leaf, f.outcome)) {
+        ep_query q;
+        intersect_query(&q, args);
+        ep_rtc_report(args->valid, 0, ep_offer_one(&q, f.t, f.hit));
+    } else if (is_open(f.outcome)) intersect_closer(args, &f, counters);
     else ep_rtc_report(args->valid, 0, 0);
 }
 
@@ -160,12 +196,12 @@ static __attribute__((noinline)) void occluded_packet(const struct RTCOccludedFu
     ep_visit(&q, args->valid);
 }
 
-static __attribute__((noinline)) void occluded_found(const struct RTCOccludedFunctionNArguments *args, ep_outcome o,
-                                                     ep_candidates *c, EPCounters *counters)
+static __attribute__((noinline)) void occluded_closer(const struct RTCOccludedFunctionNArguments *args, const found *f,
+                                                      EPCounters *counters)
 {
     ep_query q;
     occluded_query(&q, args);
-    ep_rtc_report(args->valid, 0, answer(&q, o, c, counters));
+    ep_rtc_report(args->valid, 0, answer_single(&q, f, counters));
 }
 
 static void occluded(const struct RTCOccludedFunctionNArguments *args)
@@ -177,10 +213,14 @@ static void occluded(const struct RTCOccludedFunctionNArguments *args)
     if (!args->valid[0]) return;
     const EPGeometry g = args->geometryUserPtr;
     EPCounters *counters = ep_counters();
-    ep_candidates c;
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
-    const ep_outcome o = meet(g, leaf, g->hierarchy.nets + leaf->net, (const float *)args->ray, &c, counters);
-    if (is_open(o)) occluded_found(args, o, &c, counters);
+    found f;
+    meet(g, leaf, g->hierarchy.nets + leaf->net, (const float *)args->ray, counters, &f);
+    if (is_plain(leaf, f.outcome)) {
+        ep_query q;
+        occluded_query(&q, args);
+        ep_rtc_report(args->valid, 0, ep_offer_one(&q, f.t, f.hit));
+    } else if (is_open(f.outcome)) occluded_closer(args, &f, counters);
     else ep_rtc_report(args->valid, 0, 0);
 }
 

@@ -233,6 +233,7 @@ uint32_t ep_search(const ep_query *q, uint32_t slow, EPCounters *counters)
         for (unsigned r = 0; r < count; ++r) {
             search s = {.known.count = 0, .accepted = false, .counters = counters};
             ep_take_lane(q, lanes[r], &s.lane);
+            ep_take_hit(q, lanes[r], &s.lane);
             for (unsigned f = 0; f < EP_RAY_FIELDS; ++f) s.ray[f] = s.lane.ray[f];
             s.ray[EP_RAY_TFAR] = INFINITY;
             if (cut && !(cells.hopeless >> r * EP_CELLS & 1)) {
