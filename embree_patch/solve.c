@@ -449,10 +449,28 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     return true;
 }
 
-/* Steps after which Newton's from a root that is right to 2^-8 are at the rounding of doubles, with one to spare. What
- * a step of 2^-26 leaves is of the order of its square. */
+/* Newton's steps with the second-order term that they leave, of which three take a root that is right to 2^-8 to the
+ * rounding of doubles, with one to spare. If that term is no more than 2^-26 and the step no more than 2^-16, what is
+ * left is below 2 (2^-26)² / 2^-16, and the surface's third derivatives times 2^-50. */
 enum { POLISH_STEPS = 4 };
-static const double last_step = 0x1p-26;
+static const double last_term = 0x1p-26, last_step = 0x1p-16;
+
+/* r + pu du + pv dv = d dk, by Cramer's rule; n = pu x pv. */
+typedef struct polish_step {
+    double du, dv, dk;
+} polish_step;
+
+static polish_step solve_step(const ep_frame *f, ep_vec3 n, ep_vec3 d, ep_vec3 r)
+{
+    const double dk = ep_dot(n, r) / ep_dot(n, d), nn = ep_dot(n, n);
+    const ep_vec3 left = ep_sub(ep_scale(dk, d), r);
+    return (polish_step){ep_dot(ep_cross(left, f->pv), n) / nn, ep_dot(ep_cross(f->pu, left), n) / nn, dk};
+}
+
+static ep_vec3 combine(double a, ep_vec3 x, double b, ep_vec3 y)
+{
+    return ep_add(ep_scale(a, x), ep_scale(b, y));
+}
 
 ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5],
                       double exact[2])
@@ -462,25 +480,25 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
     const bool triangle = patch->kind == EP_KIND_TRIANGLE;
     ep_point local[MAX_POINTS];
     ep_patch_local(patch, local);
-    double u = field[3], v = field[4], k = *t - l.t0, step = INFINITY;
+    double u = field[3], v = field[4], k = *t - l.t0;
     ep_vec3 n = ep_v3(0, 0, 0);
-    for (int i = 0; i < POLISH_STEPS && step > last_step; ++i) {
+    bool done = false;
+    for (int i = 0; i < POLISH_STEPS && !done; ++i) {
         ep_jet jet;
         ep_kinds[patch->kind].eval(local, patch->degree_u, patch->degree_v, u, v, &jet);
         const ep_frame f = ep_project(&jet);
-        const ep_vec3 r = ep_sub(f.p, ep_add(l.o, ep_scale(k, l.d)));
         n = ep_cross(f.pu, f.pv);
-        const double dk = ep_dot(n, r) / ep_dot(n, l.d); /* r + f.pu du + f.pv dv = d dk, by Cramer's rule */
-        const ep_vec3 left = ep_sub(ep_scale(dk, l.d), r);
-        const double nn = ep_dot(n, n);
-        const double du = ep_dot(ep_cross(left, f.pv), n) / nn, dv = ep_dot(ep_cross(f.pu, left), n) / nn;
-        u += du;
-        v += dv;
-        k += dk;
-        step = fmax(fabs(du), fabs(dv));
+        const polish_step a = solve_step(&f, n, l.d, ep_sub(f.p, ep_add(l.o, ep_scale(k, l.d))));
+        const ep_vec3 turn_u = combine(a.du, f.puu, a.dv, f.puv), turn_v = combine(a.du, f.puv, a.dv, f.pvv);
+        const polish_step b = solve_step(&f, n, l.d, combine(0.5 * a.du, turn_u, 0.5 * a.dv, turn_v));
+        u += a.du + b.du;
+        v += a.dv + b.dv;
+        k += a.dk + b.dk;
+        n = ep_cross(ep_add(f.pu, turn_u), ep_add(f.pv, turn_v));
+        done = fmax(fabs(b.du), fabs(b.dv)) <= last_term && fmax(fabs(a.du), fabs(a.dv)) <= last_step;
         if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return EP_POLISHED_LOST;
     }
-    if (!(step <= last_step)) return EP_POLISHED_LOST; /* a double root, nearly */
+    if (!done) return EP_POLISHED_LOST; /* a double root, nearly */
     *t = (float)(l.t0 + k);
     exact[0] = u, exact[1] = v;
     if (outside(triangle, u, v) > EP_BORDER) return EP_POLISHED_AWAY;
