@@ -509,7 +509,7 @@ static void check_patch(uint64_t index, family family, tally *tally)
     while (isas[isa_count]) ++isa_count;
     test_patch p;
     EPBuildSettings settings = epDefaultBuildSettings();
-    settings.maxDepth = family == ANY ? rng_below(&r, 6) : 0;
+    settings.maxDepth = family == ANY ? rng_below(&r, 9) : 0;
     if (family == POWERS) power_patch(&r, &p);
     else if (family == SKEW) skew_patch(&r, &p);
     else any_patch(&r, &p);

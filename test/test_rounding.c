@@ -24,7 +24,7 @@ NARROW(16)
 
 static void check(int count, void (*narrow)(const double *, float *, double *), void (*rest)(const double *, double *))
 {
-    double from[16], back[16];
+    double from[16] = {0}, back[16];
     float narrowed[16];
     for (int i = 0; i < count; ++i) from[i] = 1 / (i + 3.1);
     narrow(from, narrowed, back);
