@@ -1,6 +1,7 @@
-/* test_solve.c - does subdivision find every root, alone?
+/* test_solve.c - does subdivision find every root, alone? And does polishing go to the one that it begins near?
  *
  * SPDX-License-Identifier: Apache-2.0 */
+#include "embree_patch/kernels.h"
 #include "embree_patch/solve.h"
 #include "test/support.h"
 
@@ -42,10 +43,67 @@ static void at_the_very_border(void **state)
     }
 }
 
+/* From up to 2^-9 away, polishing has to end where the surface meets the ray, with the surface's normal there: as well
+ * as doubles tell, whatever the number of steps. */
+static void polished_roots(void **state)
+{
+    (void)state;
+    int polished = 0, tried = 0;
+    for (uint64_t k = 0; k < 400; ++k) {
+        rng r = rng_split(2, 0, k);
+        test_patch p;
+        random_patch(&r, k % 4 < 2 ? STYLE_GENTLE : STYLE_WILD, k % 2, (patch_limits){6, k % 3 ? 1 : 4}, &p);
+        EPGeometry g = new_geometry(&p, 1, NULL);
+        for (int i = 0; i < 20; ++i) {
+            double u = rng_in(&r, 0.05, 0.95), v = rng_in(&r, 0.05, 0.95), x[3], xu[3], xv[3], n[3], nn = 0, nd = 0;
+            if (p.shape.triangle && u + v > 0.95) u = 0.5 * u, v = 0.4 * v;
+            evaluate_patch(&p, u, v, x, xu, xv);
+            float org[3], dir[3], field[5] = {0};
+            double dd = 0, size = 0;
+            for (int c = 0; c < 3; ++c) {
+                org[c] = (float)(x[c] + rng_in(&r, -3, 3));
+                dir[c] = (float)(x[c] - org[c]);
+                dd += (double)dir[c] * dir[c];
+                n[c] = xu[(c + 1) % 3] * xv[(c + 2) % 3] - xu[(c + 2) % 3] * xv[(c + 1) % 3];
+                nn += n[c] * n[c];
+                nd += n[c] * (double)dir[c];
+                size += fabs(xu[c]) + fabs(xv[c]);
+            }
+            if (!(fabs(nd) > 0.2 * sqrt(nn * dd) && sqrt(nn) > 0.05 * size * size)) continue;
+            const double away = rng_scale(&r, 0x1p-24, 0x1p-9);
+            float t = (float)(1 + rng_in(&r, -away, away));
+            field[EP_HIT_U] = (float)(u + rng_in(&r, -away, away));
+            field[EP_HIT_V] = (float)(v + rng_in(&r, -away, away));
+            double exact[2];
+            ++tried;
+            if (ep_polish(&g->hierarchy.patches[0], org, dir, &t, field, exact) != EP_POLISHED) continue;
+            ++polished;
+            evaluate_patch(&p, exact[0], exact[1], x, xu, xv);
+            double along = 0, off[3], most = 0;
+            for (int c = 0; c < 3; ++c) along += (x[c] - (double)org[c]) * (double)dir[c] / dd;
+            for (int c = 0; c < 3; ++c)
+                off[c] = x[c] - (double)org[c] - along * (double)dir[c], most += off[c] * off[c];
+            CHECK(sqrt(most) <= 1e-10 * (size + sqrt(dd)), "patch %d: %s: from %.2g away: %.3g off the ray", (int)k,
+                  ray_text(org, dir), away, sqrt(most));
+            CHECK(fabs((double)t - along) <= 1e-7 * fabs(along), "patch %d: t is %.9g, not %.9g", (int)k, t, along);
+            for (int c = 0; c < 3; ++c) {
+                const double want = xu[(c + 1) % 3] * xv[(c + 2) % 3] - xu[(c + 2) % 3] * xv[(c + 1) % 3];
+                CHECK(fabs((double)field[c] - want) <= 1e-6 * size * size,
+                      "patch %d: %s: from %.2g away: normal %d is "
+                      "%.9g, not %.9g",
+                      (int)k, ray_text(org, dir), away, c, field[c], want);
+            }
+        }
+        epReleaseGeometry(g);
+    }
+    assert_true(tried > 2000 && polished > tried * 9 / 10);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(at_the_very_border),
+        cmocka_unit_test(polished_roots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
