@@ -235,7 +235,7 @@ EP_API EPStatus epCommitGeometry(EPGeometry geometry);
  *     rtcCommitGeometry(rtc);
  *     rtcCommitScene(scene);
  *
- * It takes 0.5 (tensor-product patches) to 0.8 (triangles) of the time of a commit, and for a moment the memory of a
+ * It takes 0.8 (tensor-product patches) to 0.9 (triangles) of the time of a commit, and for a moment the memory of a
  * second set of leaves. Hits are as exact as after a commit, however far the points have moved; only speed suffers
  * where patches bend much more than when they were divided. EPStatistics.averageThickness tells; a commit divides anew.
  * Trims stay where they are in u, v. With onDemand, patches are cut anew when rays meet them. EP_INVALID: patches,
