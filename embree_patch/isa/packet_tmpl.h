@@ -60,8 +60,7 @@ EP_INLINE w_3 w_move(const ep_leaf *leaf, const w_rays *r, w_f t)
     return w_to_leaf(leaf, moved);
 }
 
-/* S - o at (v->s, v->t). Of a quotient P = N / W, P_s = (N_s - P W_s) / W and P_ss = (N_ss - 2 P_s W_s - P W_ss) / W.
- */
+/* S - o at (v->s, v->t). A quotient P = N / W has P_s = (N_s - P W_s) / W, P_ss = (N_ss - 2 P_s W_s - P W_ss) / W. */
 EP_INLINE w_surface w_surface_at(const float *net, const w_visit *v, int triangle, unsigned m, unsigned n, int rational)
 {
     const int stride = rational ? 4 : 3;

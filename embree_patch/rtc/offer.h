@@ -71,12 +71,13 @@ static inline void ep_ask_filters(const ep_query *q, int *valid, float *hit)
     else ep_rtc_filter_occlusion(q->occluded, &args);
 }
 
-/* Loads wait for stores that they overlap but in part. The kernel stores Ng and u at once, and everything else comes
- * word by word. */
+/* Loads wait for stores that they overlap but in part: what is loaded at once is stored at once. */
+typedef float ep_quad __attribute__((vector_size(16), aligned(4), may_alias));
+
+/* The kernel stores Ng and u at once, and everything else comes word by word. */
 static inline void ep_copy_hit(const float *hit, float *to)
 {
-    typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
-    *(quad *)to = *(const quad *)hit;
+    *(ep_quad *)to = *(const ep_quad *)hit;
     for (unsigned k = EP_HIT_V; k < HIT_FIELDS; ++k) {
         uint32_t word;
         memcpy(&word, &hit[k], sizeof word);
@@ -85,7 +86,7 @@ static inline void ep_copy_hit(const float *hit, float *to)
     }
 }
 
-/* ep_offer for a packet of one whose leaf has no trim. In line, because that is how most rays end. */
+/* ep_offer for a packet of one that the trim, if any, keeps. In line, because that is how most rays end. */
 static inline bool ep_offer_one(const ep_query *q, float t, float hit[HIT_FIELDS])
 {
     int valid = -1;
@@ -102,15 +103,14 @@ static inline bool ep_offer_one(const ep_query *q, float t, float hit[HIT_FIELDS
     return valid;
 }
 
-/* The first `fields` of a ray of a packet, side by side: four at once, as the single-ray kernel loads them. */
+/* The first `fields` of a ray of a packet, side by side, as the single-ray kernel loads them. */
 static inline void ep_gather(const ep_query *packet, unsigned lane, unsigned fields, float *ray)
 {
-    typedef float quad __attribute__((vector_size(16), aligned(4), may_alias));
     const unsigned n = packet->n;
     const float *from = packet->ray + lane;
     unsigned f = 0;
     for (; f + 4 <= fields; f += 4, from += 4 * n)
-        *(quad *)(ray + f) = (quad){from[0], from[n], from[2 * n], from[3 * n]};
+        *(ep_quad *)(ray + f) = (ep_quad){from[0], from[n], from[2 * n], from[3 * n]};
     for (; f < fields; ++f, from += n) ray[f] = from[0];
 }
 
