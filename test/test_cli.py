@@ -479,6 +479,18 @@ def test_rays():
         o = trace(name, rays, "--width", width, "--occluded")
         check(o == [int(x[4] != MISS) for x in h], f"--width {width}: --occluded disagrees")
 
+    # lengths of directions that Embree does not take, and t in units of them
+    unit = trace(name, [down(.5, .25, 5)])[0]
+    lengths = [1e17, 1e19, 1e30, 1e38, 1e-17, 1e-19, 1e-30, 1e-37]
+    rays = [down(.5, .25, 5, length) for length in lengths]
+    lost = [down(.5, .25, 5, 1e-38), (1e19, .5, 5, 0, 0, 0, -1, inf), (.5, .25, 5, 1e-28, 0, 0, -1e30, inf)]
+    for width in (1, 16):
+        h = trace(name, rays + lost, "--width", width)
+        for length, x in zip(lengths, h):
+            same_hit(x, unit[0] / length, *unit[1:5], unit[5:], f"a direction of {length}", 1e-6)
+            check(abs(x[0] * length / unit[0] - 1) < 1e-6, f"a direction of {length}: t {x[0]}, not {unit[0] / length}")
+        check(all(x[4] == MISS for x in h[len(rays):]), f"--width {width}: beyond floats, and hit: {h[len(rays):]}")
+
 
 def test_agreement():
     """Widths, threads, coherence: the same bytes. Occlusion: the same rays."""

@@ -10,6 +10,7 @@
 #include "tools/report.h"
 
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -44,12 +45,30 @@ trace_ray *trace_read_rays(const char *path, size_t *count)
     return (trace_ray *)data;
 }
 
+/* Embree takes no coordinates above 1.8e18, where there can be no geometry either, and takes a direction of 1e-18 for
+ * one of 0: others should be longer by far. */
+#define EMBREE_MOST 0x1p60f
+#define EMBREE_EXPONENT 40
+
+static float largest(const float x[3])
+{
+    return fmaxf(fmaxf(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
+}
+
 /* Whether Embree may see the ray at all. Comparisons are false for NaN. */
 static bool can_hit(const trace_ray *r)
 {
     float sum = 0;
     for (int i = 0; i < 3; ++i) sum += 0 * r->org[i] + 0 * r->dir[i]; /* NaN unless all are finite */
-    return sum == 0 && (r->dir[0] != 0 || r->dir[1] != 0 || r->dir[2] != 0) && r->tnear <= r->tfar && r->tfar >= 0;
+    return sum == 0 && largest(r->org) < EMBREE_MOST && largest(r->dir) > 0 && r->tnear <= r->tfar && r->tfar >= 0;
+}
+
+/* Embree sees a direction that is too long or too short for it divided by this power of two, and t multiplied. */
+static int exponent_of(const trace_ray *r)
+{
+    int e;
+    frexpf(largest(r->dir), &e);
+    return abs(e) > EMBREE_EXPONENT ? e : 0;
 }
 
 double trace_farthest_origin(const trace_ray *rays, size_t count)
@@ -75,15 +94,16 @@ static void pack(const trace_ray *rays, size_t count, unsigned width, bool occlu
     for (unsigned k = 0; k < width; ++k) {
         bool on = k < count && can_hit(&rays[k]);
         const trace_ray *r = on ? &rays[k] : &nothing;
+        const int e = exponent_of(r);
         float *real = (float *)packet + k;
         uint32_t *id = (uint32_t *)packet + k;
         for (unsigned x = 0; x < 3; ++x) {
             real[(ORG + x) * width] = r->org[x];
-            real[(DIR + x) * width] = r->dir[x];
+            real[(DIR + x) * width] = ldexpf(r->dir[x], -e);
         }
-        real[TNEAR * width] = r->tnear > 0 ? r->tnear : 0;
+        real[TNEAR * width] = r->tnear > 0 ? ldexpf(r->tnear, e) : 0;
         real[TIME * width] = 0;
-        real[TFAR * width] = r->tfar;
+        real[TFAR * width] = e ? ldexpf(fminf(r->tfar, FLT_MAX), e) : r->tfar; /* no t that is no float */
         id[MASK * width] = ~0u;
         id[ID * width] = 0;
         id[FLAGS * width] = 0;
@@ -95,7 +115,8 @@ static void pack(const trace_ray *rays, size_t count, unsigned width, bool occlu
 }
 
 /* Returns the number of hits. */
-static size_t unpack(const world *w, const void *packet, size_t count, unsigned width, bool occluded, void *answers)
+static size_t unpack(const world *w, const trace_ray *rays, const void *packet, size_t count, unsigned width,
+                     bool occluded, void *answers)
 {
     size_t hits = 0;
     for (unsigned k = 0; k < count; ++k) {
@@ -105,8 +126,8 @@ static size_t unpack(const world *w, const void *packet, size_t count, unsigned 
             hits += hit;
         } else {
             world_hit h = world_read_hit(w, packet, width, k);
+            if (h.geomID != ~0u) h.t = ldexpf(h.t, -exponent_of(&rays[k])), ++hits;
             if (answers) ((world_hit *)answers)[k] = h;
-            hits += h.geomID != ~0u;
         }
     }
     return hits;
@@ -168,8 +189,8 @@ bool trace_rays(const world *w, const trace_ray *rays, size_t count, const trace
 #pragma omp parallel for schedule(static) reduction(+ : hits) num_threads(threads)
         for (size_t p = 0; p < packet_count; ++p) {
             size_t lanes = n - p * width < width ? n - p * width : width;
-            hits +=
-                unpack(w, packets + p * stride, lanes, width, occluded, out ? out + p * width * answer_bytes : NULL);
+            hits += unpack(w, in + p * width, packets + p * stride, lanes, width, occluded,
+                           out ? out + p * width * answer_bytes : NULL);
         }
         result->hits += hits;
     }
