@@ -64,12 +64,17 @@ static __attribute__((noinline)) uint32_t answer_single(const ep_query *q, const
     return answer(q, f->outcome, &c, counters);
 }
 
+static inline uint32_t take(const ep_query *q, found *f, EPCounters *counters)
+{
+    if (is_plain(q->leaf, f->outcome)) return ep_offer_one(q, f->t, f->hit);
+    return answer_single(q, f, counters);
+}
+
 static uint32_t run_single(const ep_query *q, EPCounters *counters)
 {
     found f;
     meet(q->geometry, q->leaf, q->net, q->ray, counters, &f);
-    if (is_plain(q->leaf, f.outcome)) return ep_offer_one(q, f.t, f.hit);
-    return is_open(f.outcome) ? answer_single(q, &f, counters) : 0;
+    return is_open(f.outcome) ? take(q, &f, counters) : 0;
 }
 
 /* A packet's few active rays, one at a time: for up to two that is cheaper, and gives the same bits. */
@@ -85,12 +90,8 @@ static uint32_t run_sparse(const ep_query *q, uint32_t active, EPCounters *count
         if (!is_open(f.outcome)) continue;
         ep_lane one;
         ep_take_lane(q, lane, &one);
-        if (is_plain(q->leaf, f.outcome)) {
-            if (!ep_offer_one(&one.query, f.t, f.hit)) continue;
-        } else {
-            ep_take_hit(q, lane, &one);
-            if (!answer_single(&one.query, &f, counters)) continue;
-        }
+        if (!is_plain(q->leaf, f.outcome)) ep_take_hit(q, lane, &one);
+        if (!take(&one.query, &f, counters)) continue;
         accepted |= 1u << lane;
         ep_put_lane(&one, q, lane);
     }
@@ -161,14 +162,6 @@ static __attribute__((noinline)) void intersect_packet(const struct RTCIntersect
     ep_visit(&q, args->valid);
 }
 
-static __attribute__((noinline)) void intersect_closer(const struct RTCIntersectFunctionNArguments *args,
-                                                       const found *f, EPCounters *counters)
-{
-    ep_query q;
-    intersect_query(&q, args);
-    ep_rtc_report(args->valid, 0, answer_single(&q, f, counters));
-}
-
 static void intersect(const struct RTCIntersectFunctionNArguments *args)
 {
     if (args->N != 1) {
@@ -181,12 +174,13 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
     found f;
     meet(g, leaf, g->hierarchy.nets + leaf->net, (const float *)args->rayhit, counters, &f);
-    if (is_plain(leaf, f.outcome)) {
-        ep_query q;
-        intersect_query(&q, args);
-        ep_rtc_report(args->valid, 0, ep_offer_one(&q, f.t, f.hit));
-    } else if (is_open(f.outcome)) intersect_closer(args, &f, counters);
-    else ep_rtc_report(args->valid, 0, 0);
+    if (!is_open(f.outcome)) {
+        ep_rtc_report(args->valid, 0, 0);
+        return;
+    }
+    ep_query q;
+    intersect_query(&q, args);
+    ep_rtc_report(args->valid, 0, take(&q, &f, counters));
 }
 
 static __attribute__((noinline)) void occluded_packet(const struct RTCOccludedFunctionNArguments *args)
@@ -194,14 +188,6 @@ static __attribute__((noinline)) void occluded_packet(const struct RTCOccludedFu
     ep_query q;
     occluded_query(&q, args);
     ep_visit(&q, args->valid);
-}
-
-static __attribute__((noinline)) void occluded_closer(const struct RTCOccludedFunctionNArguments *args, const found *f,
-                                                      EPCounters *counters)
-{
-    ep_query q;
-    occluded_query(&q, args);
-    ep_rtc_report(args->valid, 0, answer_single(&q, f, counters));
 }
 
 static void occluded(const struct RTCOccludedFunctionNArguments *args)
@@ -216,12 +202,13 @@ static void occluded(const struct RTCOccludedFunctionNArguments *args)
     const ep_leaf *leaf = &g->hierarchy.leaves[args->primID];
     found f;
     meet(g, leaf, g->hierarchy.nets + leaf->net, (const float *)args->ray, counters, &f);
-    if (is_plain(leaf, f.outcome)) {
-        ep_query q;
-        occluded_query(&q, args);
-        ep_rtc_report(args->valid, 0, ep_offer_one(&q, f.t, f.hit));
-    } else if (is_open(f.outcome)) occluded_closer(args, &f, counters);
-    else ep_rtc_report(args->valid, 0, 0);
+    if (!is_open(f.outcome)) {
+        ep_rtc_report(args->valid, 0, 0);
+        return;
+    }
+    ep_query q;
+    occluded_query(&q, args);
+    ep_rtc_report(args->valid, 0, take(&q, &f, counters));
 }
 
 static void bounds(const struct RTCBoundsFunctionArguments *args)
