@@ -194,12 +194,12 @@ static void allow_for_rays(ep_fit *f)
     const double way = EP_STEEP * (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) + ep_norm1(f->column[2]);
     const double noise = 2 * per * leaf->height * way;
     const double noise_st = leaf->noise_st + noise, noise_h = leaf->noise_h + noise;
-    f->side += noise_st;
+    const double side = f->side + noise_st;
     leaf->height = ep_round_up(leaf->height + noise_h);
-    leaf->rim = ep_round_up(f->kind->middle + f->side + 4 * EP_EPS_F);
+    leaf->rim = ep_round_up(f->kind->middle + side + 4 * EP_EPS_F);
 
-    const double extent = triangle ? 2.0 / 3 : 0.5, room = extent + f->side;
-    const double k = (double)leaf->bend_st * (extent + (triangle ? 4 : 1) * (f->side + EP_ABOUT));
+    const double extent = triangle ? 2.0 / 3 : 0.5, room = extent + side;
+    const double k = (double)leaf->bend_st * (extent + (triangle ? 4 : 1) * (side + EP_ABOUT));
     leaf->foot = ep_round_up(leaf->foot + (1 + k) * noise_st);
     const double by_foot = 1 + (double)leaf->bend_h * room, terms = graph_terms(leaf, room, 0);
     leaf->graph = ep_round_up(leaf->graph + noise_h + (by_foot - 1) * noise_st + terms);

@@ -205,7 +205,7 @@ static void level(ep_fit *f)
 
 /* The quadratic terms of the way from feet u back to heights and to x. Those of r at the middle are q; there u = (I +
  * L) x + q_st(x), so with A = (I + L)^-1 they are q_h(A u) and A q_st(A u). */
-static void model(ep_fit *f, const bounds b[3])
+static void choose_model(ep_fit *f, const bounds b[3])
 {
     double l[2][2], a[2][2], q[3][2][2], r[3][2][2] = {{{0}}};
     for (int c = 0; c < 2; ++c) {
@@ -332,7 +332,7 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     bounds b[3];
     for (int c = 0; c < 3; ++c) b[c] = quotient_bounds(series_bounds(f, c), &w);
 
-    model(f, b);
+    choose_model(f, b);
     leaf->bend_st = leaf->twist_st = 0;
     for (int c = 0; c < 3; ++c) {
         float *bend = c < 2 ? &leaf->bend_st : &leaf->bend_h, *twist = c < 2 ? &leaf->twist_st : &leaf->twist_h;

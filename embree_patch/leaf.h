@@ -123,7 +123,7 @@ typedef struct ep_fit {
     bool regular;      /* false: a pole or a cusp has no frame; the leaf is left to subdivision                     */
     double thickness;  /* 2 height, in units of the piece's width                                                  */
     double distortion; /* bound on |Dr_st|: how far the parametrisation is from affine                             */
-    double side;       /* bounds on |r_s|, |r_t| and ...                                                            */
+    double side;       /* bound on |r_s| and |r_t|                                                                 */
     double turn[2];    /* how much halving the first or the second side would flatten the piece                  */
     double loss;       /* rounding of its series, in double, relative to the patch                                 */
     double error;      /* the leaf's noise in scene units                                                          */

@@ -89,9 +89,8 @@ static void polished_roots(void **state)
             for (int c = 0; c < 3; ++c) {
                 const double want = xu[(c + 1) % 3] * xv[(c + 2) % 3] - xu[(c + 2) % 3] * xv[(c + 1) % 3];
                 CHECK(fabs((double)field[c] - want) <= 1e-6 * size * size,
-                      "patch %d: %s: from %.2g away: normal %d is "
-                      "%.9g, not %.9g",
-                      (int)k, ray_text(org, dir), away, c, field[c], want);
+                      "patch %d: %s: from %.2g away: normal %d is %.9g, not %.9g", (int)k, ray_text(org, dir), away, c,
+                      field[c], want);
             }
         }
         epReleaseGeometry(g);

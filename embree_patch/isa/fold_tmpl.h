@@ -10,9 +10,9 @@
  *     A d = p tau - S_st(y) + o_st - H_st d²/2 - rho_st,      tau = S_h(y) - o_h + g d + H_h d²/2 + rho_h,
  *
  * |rho| <= warp |d|²/2 + noise, warp = twist e and the rounding of H. Let tau0 be where the ray comes closest to y's
- * foot, and tau = tau0 + x. A is nearly I. So d = l + q with l = d0 + a x, a = A^-1 p, d0 = -A^-1 f, f = (S - o)_st - p
- * tau0, and |q| <= |A^-1| (bend_st |d|²/2
- * + noise_st), which is Q for |d| = e. Put into the second equation, with b = g A^-1 and K = H_h - b H_st,
+ * foot, and tau = tau0 + x. A is nearly I. So d = l + q with l = d0 + a x, a = A^-1 p, d0 = -A^-1 f, f = (S - o)_st -
+ * p tau0, and |q| <= |A^-1| (bend_st |d|²/2 + noise_st), which is Q for |d| = e. Put into the second equation, with
+ * b = g A^-1 and K = H_h - b H_st,
  *
  *     |c0 + c1 x + c2 x²| <= N + W |d|²/2,
  *     c0 = (S - o)_h - tau0 - b f + K d0²/2,  c1 = g a - 1 + K d0 a,  c2 = K a²/2,
@@ -243,8 +243,8 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
     f.per_tau = a * w_fma(i * bend_st, reach, one) * outward;
     f.per_square = half * outward * (i * bend_st) * (a * a);
     /* what rounding adds to the equation: each of a dozen terms is below one of these */
-    const w_f along = d0 + reach, l = along + d0, p_max = w_max(w_abs(v->p_s), w_abs(v->p_t));
-    const w_f at = w_fma(p_max, w_abs(near), w_max(w_abs(j->at.x), w_abs(j->at.y)));
+    const w_f along = d0 + reach, l = along + d0;
+    const w_f at = w_fma(v->p_max, w_abs(near), w_max(w_abs(j->at.x), w_abs(j->at.y)));
     const w_f terms = w_fma(curved * l, l, w_abs(j->at.z) + w_abs(near)) +
                       w_fma(w_fma(curved, i * l, b), at, along * (b + b + one / a));
 

@@ -8,9 +8,6 @@
  * then right to rounding; the tangents, carried over by second derivatives, to 2^-11 of the third ones. */
 #define EP_NEAR 0x1p-5f
 
-/* Rounding of second derivatives, in bend: Horner's scheme of the highest degree errs by 103 eps of its terms. */
-#define EP_CURVE 0x1p-17f
-
 /* ... and once what Newton leaves is certain to be below this part of its rounding error, or below EP_ACCEPT times that
  * of a ray that meets the leaf squarely. Rounding errors seldom reach a tenth of their bound; what Newton leaves may.
  */
@@ -26,6 +23,9 @@
  * double; and so is one that may be farther than EP_SHARP on either side of the leaf's border. */
 #define EP_FLAT 0x1p-16f
 #define EP_SHARP 0x1p-18f
+
+/* Rounding of second derivatives, in bend: Horner's scheme of the highest degree errs by 103 eps of its terms. */
+#define EP_CURVE 0x1p-17f
 
 /* Rounding of a dozen operations. */
 #define EP_TERMS 0x1p-19f
@@ -274,7 +274,7 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
          * takes to no more than the margin */
         const w_f rows = w_max(w_abs(l.ss) + w_abs(l.st), w_abs(l.ts) + w_abs(l.tt));
         const w_f a = w_fma(w_set(leaf->bend_st), far, rows);
-        r.late = w_min((margin + margin) * a / w_max(w_abs(v->p_s), w_abs(v->p_t)), r.late);
+        r.late = w_min((margin + margin) * a / v->p_max, r.late);
     }
     r.late = r.late * w_abs(v->inverse);
     const w_m shrinks = w_lt(r.radius, w_set(0.75f) * v->radius);

@@ -11,28 +11,33 @@
  * P = graph + noise. How the leaf is parametrised does not matter. */
 typedef struct w_graph {
     w_f c0, c1, c2, p;
-    w_f e_st;  /* u0 is right to this */
-    w_f high;  /* |tau| is below this */
-    w_f p_max; /* the larger of |p|   */
+    w_f e_st; /* u0 is right to this */
+    w_f high; /* |tau| is below this */
 } w_graph;
+
+/* c0, c1 / 2 and c2, u0 being (v->s, v->t). */
+EP_INLINE void w_equation(const ep_leaf *leaf, const w_visit *v, w_f *c0, w_f *c1_2, w_f *c2)
+{
+    const w_f s = v->s, t = v->t;
+    const w_f ss = w_set(leaf->half[0][2]), st = w_set(leaf->half[1][2]), tt = w_set(leaf->half[2][2]);
+    const w_f g_s = w_fma(st, t, ss * s), g_t = w_fma(tt, t, st * s);
+    *c0 = w_fma(t, g_t, w_fma(s, g_s, w_set(leaf->middle)));
+    *c1_2 = w_fma(v->p_t, g_t, w_fma(v->p_s, g_s, w_set(-0.5f)));
+    *c2 = w_fma(v->p_t, w_fma(tt, v->p_t, st * v->p_s), v->p_s * w_fma(st, v->p_t, ss * v->p_s));
+}
 
 /* u0 = (v->s, v->t) is right to e_st, heights along the ray to e_h, and |tau| is below `high`. */
 EP_INLINE w_graph w_meet_graph(const ep_leaf *leaf, const w_visit *v, int triangle, w_f e_st, w_f e_h, w_f high)
 {
     w_graph g;
     const float reach = (triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle);
-    const w_f s = v->s, t = v->t;
-    const w_f ss = w_set(leaf->half[0][2]), st = w_set(leaf->half[1][2]), tt = w_set(leaf->half[2][2]);
-    const w_f g_s = w_fma(st, t, ss * s), g_t = w_fma(tt, t, st * s);
-    g.c0 = w_fma(t, g_t, w_fma(s, g_s, w_set(leaf->middle)));
-    g.c1 = w_fma(v->p_t + v->p_t, g_t, w_fma(v->p_s + v->p_s, g_s, w_set(-1.0f)));
-    g.c2 = w_fma(v->p_t, w_fma(tt, v->p_t, st * v->p_s), v->p_s * w_fma(st, v->p_t, ss * v->p_s));
+    w_equation(leaf, v, &g.c0, &g.c1, &g.c2);
+    g.c1 = g.c1 + g.c1;
 
     /* c0, c1 tau and c2 tau² are right to a few roundings of terms below `terms` */
     g.e_st = e_st;
     g.high = high;
-    g.p_max = w_max(w_abs(v->p_s), w_abs(v->p_t));
-    const w_f along = w_fma(g.p_max, g.high, w_max(w_abs(s), w_abs(t)));
+    const w_f along = w_fma(v->p_max, g.high, w_max(w_abs(v->s), w_abs(v->t)));
     const w_f terms = w_fma(w_set(leaf->bend_h) * along, along, g.high + g.high);
     g.p = w_fma(w_set(EP_TERMS), terms, w_fma(w_set(leaf->bend_h * reach), g.e_st, w_set(leaf->graph) + e_h));
     return g;
@@ -92,7 +97,7 @@ EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_grap
     const w_f twice = g->c2 + g->c2, size = w_abs(twice), within = g->high + r.delta;
     const w_f q_2 = w_select(falls, q, -q),
               room = w_set((triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle));
-    const w_f about = w_fma(g->p_max, r.delta, g->e_st);
+    const w_f about = w_fma(v->p_max, r.delta, g->e_st);
     const w_f u_2 = w_max(w_abs(w_fma(v->p_s, q_2, v->s * twice)), w_abs(w_fma(v->p_t, q_2, v->t * twice)));
     const w_f t_2 = w_select(w_lt(twice, zero), -q_2, q_2) * v->inverse; /* from the plane, times |2 c2| */
     const w_f late = w_fma(w_fma(w_set(EP_TERMS), within, r.delta), w_abs(v->inverse),
@@ -102,8 +107,8 @@ EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_grap
     /* where it would be tangent, times |2 c2| */
     const w_f spread = w_sqrt(w_max(d + width, zero)) * w_set(1 + 0x1p-10f), far = w_abs(g->c1);
     const w_f u = w_max(w_abs(w_fnma(v->p_s, g->c1, v->s * twice)), w_abs(w_fnma(v->p_t, g->c1, v->t * twice)));
-    const w_f terms = w_fma(g->p_max, far, w_max(w_abs(v->s), w_abs(v->t)) * size);
-    const w_f beside = w_fma(w_set(EP_TERMS), terms, w_fma(g->p_max, spread, (room + g->e_st) * size));
+    const w_f terms = w_fma(v->p_max, far, w_max(w_abs(v->s), w_abs(v->t)) * size);
+    const w_f beside = w_fma(w_set(EP_TERMS), terms, w_fma(v->p_max, spread, (room + g->e_st) * size));
     const w_m outside = w_or(w_lt(w_fma(g->high, size, spread), far), w_lt(beside, u));
     r.none = w_or(r.none, w_andnot(outside, clear));
     r.unclear = w_or(second, w_andnot(v->live, clear));
@@ -129,12 +134,8 @@ EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_grap
 EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f tnear)
 {
     v->o = o;
-    const w_f s = v->s, t = v->t;
-    const w_f ss = w_set(leaf->half[0][2]), st = w_set(leaf->half[1][2]), tt = w_set(leaf->half[2][2]);
-    const w_f g_s = w_fma(st, t, ss * s), g_t = w_fma(tt, t, st * s);
-    const w_f c0 = w_fma(t, g_t, w_fma(s, g_s, w_set(leaf->middle)));
-    const w_f c1_2 = w_fma(v->p_t, g_t, w_fma(v->p_s, g_s, w_set(-0.5f)));
-    const w_f c2 = w_fma(v->p_t, w_fma(tt, v->p_t, st * v->p_s), v->p_s * w_fma(st, v->p_t, ss * v->p_s));
+    w_f c0, c1_2, c2;
+    w_equation(leaf, v, &c0, &c1_2, &c2);
     const w_f high = w_fma(v->far, w_set(leaf->reach), w_set(leaf->height));
     const w_f p = w_fma(v->far, w_set(leaf->reach), w_set(leaf->graph));
     const w_f y = w_set(1.0f) / c1_2, e = c0 * y, ratio = c2 * y, z = e * ratio, size = w_abs(z);
@@ -146,7 +147,7 @@ EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f
                                                   w_le(w_abs(ratio) * (high + r.delta), w_set(EP_EASY_OTHER))));
     const w_m hard = w_andnot(v->live, easy);
     if (w_bits(hard)) {
-        const w_graph g = {c0, c1_2 + c1_2, c2, p, w_set(leaf->reach) * v->far, high, v->p_max};
+        const w_graph g = {c0, c1_2 + c1_2, c2, p, w_set(leaf->reach) * v->far, high};
         const w_root exact = w_near_root(leaf, v, &g, triangle, tnear);
         r.tau = w_select(hard, exact.tau, r.tau);
         r.delta = w_select(hard, exact.delta, r.delta);
@@ -154,7 +155,7 @@ EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f
         r.unclear = w_and(hard, exact.unclear);
     }
     const w_f about = w_fma(w_set(leaf->reach), v->far, v->p_max * r.delta);
-    const w_f u_s = w_fma(v->p_s, r.tau, s), u_t = w_fma(v->p_t, r.tau, t);
+    const w_f u_s = w_fma(v->p_s, r.tau, v->s), u_t = w_fma(v->p_t, r.tau, v->t);
     const w_m left = w_andnot(v->live, r.none), start = w_andnot(left, r.unclear);
     const w_m vain = w_andnot(start, w_le(about, w_set(EP_ABOUT)));
     w_f x[2];

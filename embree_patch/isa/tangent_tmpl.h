@@ -23,7 +23,7 @@ EP_INLINE void w_begin(const ep_leaf *leaf, w_visit *v, w_stack *wait, int trian
         const w_f tau = half * (from + to), h = w_fma(half, to - from, w_set(0x1p-20f) * (w_abs(from) + w_abs(to)));
         w_f x[2];
         const w_f off =
-            w_above(leaf, triangle, w_fma(v->p_s, tau, v->s), w_fma(v->p_t, tau, v->t), w_fma(g.p_max, h, g.e_st), x);
+            w_above(leaf, triangle, w_fma(v->p_s, tau, v->s), w_fma(v->p_t, tau, v->t), w_fma(v->p_max, h, g.e_st), x);
         near[k].none = w_or(w_lt(to, from), w_lt(off, w_outside(triangle, x[0], x[1])));
         w_clamp(triangle, &x[0], &x[1]);
         near[k].s = x[0];
