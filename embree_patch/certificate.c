@@ -199,8 +199,7 @@ static void allow_for_rays(ep_fit *f)
     leaf->rim = ep_round_up(f->kind->middle + side + 4 * EP_EPS_F);
 
     const double extent = triangle ? 2.0 / 3 : 0.5, room = extent + side;
-    const double k = (double)leaf->bend_st * (extent + (triangle ? 4 : 1) * (side + EP_ABOUT));
-    leaf->foot = ep_round_up(leaf->foot + (1 + k) * noise_st);
+    leaf->foot = ep_round_up(leaf->foot + (double)ep_leaf_from_foot(leaf, triangle) * noise_st);
     const double by_foot = 1 + (double)leaf->bend_h * room, terms = graph_terms(leaf, room, 0);
     leaf->graph = ep_round_up(leaf->graph + noise_h + (by_foot - 1) * noise_st + terms);
     const double more = 1 + 4 * per * way * by_foot + 2 * (graph_terms(leaf, room, EP_ASTRAY) - terms) / EP_ASTRAY;

@@ -102,6 +102,14 @@ static inline float ep_leaf_side(const ep_leaf *leaf, int triangle)
     return leaf->rim - (triangle ? 1.0f / 3 : 0.5f);
 }
 
+/* How much farther than a foot u the model's point over it may be off, beside `foot`: 1 + k, k = |H_st| |u|, for a foot
+ * that is in D give or take EP_ABOUT. A triangle's corner is where both coordinates of a foot are farthest out. */
+static inline float ep_leaf_from_foot(const ep_leaf *leaf, int triangle)
+{
+    const float u = triangle ? fmaf(4, leaf->rim, 4 * EP_ABOUT - 2.0f / 3) : leaf->rim + EP_ABOUT;
+    return fmaf(leaf->bend_st, u, 1);
+}
+
 /* How far the patch's parameters move when a leaf coordinate moves by one. */
 static inline float ep_leaf_extent(const ep_leaf *leaf)
 {

@@ -222,7 +222,7 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
     const f4 u_s = f4_lane(u, 0), u_t = f4_lane(u, 1);
     const f4 h_s = f4_fma(st, u_t, ss * u_s), h_t = f4_fma(tt, u_t, st * u_s);
     f4 x = f4_fnma(h_t, u_t, f4_fnma(h_s, u_s, u));
-    float radius = f1_fma(w_from_foot(leaf, triangle), about, leaf->foot);
+    float radius = f1_fma(ep_leaf_from_foot(leaf, triangle), about, leaf->foot);
     if (triangle) radius = radius + radius;
     if (!(f1_abs(tau) <= high + delta && f4_outside(triangle, x) <= radius)) return none;
     x = f4_clamp(triangle, x);

@@ -53,15 +53,8 @@ EP_INLINE void w_over(const ep_leaf *leaf, w_f u_s, w_f u_t, w_f x[2])
     }
 }
 
-/* How much farther than a foot x may be off, beside `foot`: 1 + k, k = |H_st| |u|, for a foot that is in D give or take
- * EP_ABOUT. The triangle's corner is where both coordinates of a foot are farthest out. */
-EP_INLINE float w_from_foot(const ep_leaf *leaf, int triangle)
-{
-    const float u = triangle ? __builtin_fmaf(4, leaf->rim, 4 * EP_ABOUT - 2 * EP_THIRD) : leaf->rim + EP_ABOUT;
-    return __builtin_fmaf(leaf->bend_st, u, 1);
-}
-
-/* The same, for any foot that is in D give or take `about`. Returns how far x may be off. */
+/* The same, for a foot that is in D give or take `about`, be that more than EP_ABOUT: returns how far x may be off, as
+ * ep_leaf_from_foot. */
 EP_INLINE w_f w_above(const ep_leaf *leaf, int triangle, w_f u_s, w_f u_t, w_f about, w_f x[2])
 {
     w_over(leaf, u_s, u_t, x);
@@ -160,7 +153,7 @@ EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f
     const w_m vain = w_andnot(start, w_le(about, w_set(EP_ABOUT)));
     w_f x[2];
     w_over(leaf, u_s, u_t, x);
-    const w_f off = w_fma(w_set(w_from_foot(leaf, triangle)), about, w_set(leaf->foot));
+    const w_f off = w_fma(w_set(ep_leaf_from_foot(leaf, triangle)), about, w_set(leaf->foot));
     v->radius = triangle ? off + off : off;
     const w_m in = w_and(w_le(w_abs(r.tau), high + r.delta), w_le(w_outside(triangle, x[0], x[1]), v->radius));
     v->slow = w_or(v->slow, w_or(w_and(left, r.unclear), vain));
