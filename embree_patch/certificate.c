@@ -177,11 +177,17 @@ static void rounding(ep_fit *f, double lost)
  * Through the prism a ray goes no farther than (height + reach far) (|p| C_st + C_h), C being what leaf coordinates are
  * in space, and F's noise grows by 12 eps of that.
  *
- * c0, c1 tau and c2 tau² of the graph's equation are right to a few roundings of terms below bend_h (room + 2 |p|
- * high)² and 2 high; convex in reach far, so below a straight line. */
+ * The plane's point and the way p tau are no longer than `along`. c0, c1 tau and c2 tau² of the graph's equation are
+ * right to a few roundings of terms below bend_h along² and 2 high; convex in reach far, so below a straight line. The
+ * foot is right to 4 eps of `along`, and so is its H_st, to 4 eps of bend_st along. */
+static double way_along(const ep_leaf *leaf, double room, double astray)
+{
+    return room + astray + 2 * EP_STEEP * (leaf->height + astray);
+}
+
 static double graph_terms(const ep_leaf *leaf, double room, double astray)
 {
-    const double high = leaf->height + astray, along = room + astray + 2 * EP_STEEP * high;
+    const double high = leaf->height + astray, along = way_along(leaf, room, astray);
     return 0x1p-19 * ((double)leaf->bend_h * along * along + 2 * high);
 }
 
@@ -199,7 +205,8 @@ static void allow_for_rays(ep_fit *f)
     leaf->rim = ep_round_up(f->kind->middle + side + 4 * EP_EPS_F);
 
     const double extent = triangle ? 2.0 / 3 : 0.5, room = extent + side;
-    leaf->foot = ep_round_up(leaf->foot + (double)ep_leaf_from_foot(leaf, triangle) * noise_st);
+    const double cancelled = 8 * EP_EPS_F * (1 + (double)leaf->bend_st) * way_along(leaf, room, EP_ASTRAY);
+    leaf->foot = ep_round_up(leaf->foot + (double)ep_leaf_from_foot(leaf, triangle) * noise_st + cancelled);
     const double by_foot = 1 + (double)leaf->bend_h * room, terms = graph_terms(leaf, room, 0);
     leaf->graph = ep_round_up(leaf->graph + noise_h + (by_foot - 1) * noise_st + terms);
     const double more = 1 + 4 * per * way * by_foot + 2 * (graph_terms(leaf, room, EP_ASTRAY) - terms) / EP_ASTRAY;

@@ -92,11 +92,12 @@ EP_INLINE w_f w_outside(int triangle, w_f s, w_f t)
     return w_max(w_max(-s, -t), s + t) - w_set(EP_THIRD);
 }
 
-/* A Newton step: J and one over its determinant, c - y; w_solve_grazing has more. */
+/* A Newton step: J and one over its determinant, c - y. */
 typedef struct w_linear {
     w_f ss, st, ts, tt, inverse, c_s, c_t;
-    w_f a_s, a_t, over, height;
-    w_f i, q; /* magnitudes of J^-1 and of q = J^-1 p */
+    w_f d_s, d_t;               /* w_solve: c - y times the determinant  */
+    w_f a_s, a_t, over, height; /* w_solve_grazing; and ...              */
+    w_f i, q;                   /* ... magnitudes of J^-1 and q = J^-1 p */
 } w_linear;
 
 EP_INLINE w_linear w_solve(const w_visit *v, const w_surface *j)
@@ -108,8 +109,10 @@ EP_INLINE w_linear w_solve(const w_visit *v, const w_surface *j)
     l.ts = w_fnma(v->p_t, j->ds.z, j->ds.y);
     l.tt = w_fnma(v->p_t, j->dt.z, j->dt.y);
     l.inverse = w_set(1.0f) / w_fnma(l.st, l.ts, l.ss * l.tt);
-    l.c_s = w_fnma(l.tt, f_s, l.st * f_t) * l.inverse;
-    l.c_t = w_fnma(l.ss, f_t, l.ts * f_s) * l.inverse;
+    l.d_s = w_fnma(l.tt, f_s, l.st * f_t);
+    l.d_t = w_fnma(l.ss, f_t, l.ts * f_s);
+    l.c_s = l.d_s * l.inverse;
+    l.c_t = l.d_t * l.inverse;
     return l;
 }
 
@@ -224,7 +227,8 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
     w_step r;
     const w_f one = w_set(1.0f), half = w_set(0.5f);
     const w_linear l = grazing ? w_solve_grazing(v, j) : w_solve(v, j);
-    const w_f c_ss = l.c_s * l.c_s, c_st = l.c_s * l.c_t, c_tt = l.c_t * l.c_t;
+    /* det² v, which does not wait for the division */
+    const w_f s = grazing ? l.c_s : l.d_s, t = grazing ? l.c_t : l.d_t, c_ss = s * s, c_st = s * t, c_tt = t * t;
     const w_3 curve = {w_fma(j->st.x, c_st, w_fma(j->tt.x, c_tt, j->ss.x * c_ss)),
                        w_fma(j->st.y, c_st, w_fma(j->tt.y, c_tt, j->ss.y * c_ss)),
                        w_fma(j->st.z, c_st, w_fma(j->tt.z, c_tt, j->ss.z * c_ss))};
@@ -235,9 +239,10 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
         r.height = l.height + more.z;
     } else {
         const w_f v_s = w_fnma(v->p_s, curve.z, curve.x), v_t = w_fnma(v->p_t, curve.z, curve.y);
-        r.step_s = w_fma(w_fnma(l.tt, v_s, l.st * v_t), l.inverse, l.c_s);
-        r.step_t = w_fma(w_fnma(l.ss, v_t, l.ts * v_s), l.inverse, l.c_t);
-        r.height = w_fma(j->dt.z, r.step_t, w_fma(j->ds.z, r.step_s, j->at.z + curve.z));
+        const w_f square = l.inverse * l.inverse;
+        r.step_s = w_fma(w_fnma(l.tt, v_s, l.st * v_t), square, l.d_s) * l.inverse;
+        r.step_t = w_fma(w_fnma(l.ss, v_t, l.ts * v_s), square, l.d_t) * l.inverse;
+        r.height = w_fma(j->dt.z, r.step_t, w_fma(j->ds.z, r.step_s, w_fma(curve.z, square, j->at.z)));
     }
     r.s = v->s + r.step_s;
     r.t = v->t + r.step_t;
@@ -282,10 +287,10 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
     v->live = w_andnot(v->live, w_or(w_or(beside, apart), done));
     r.stuck = w_andnot(v->live, shrinks);
     v->live = w_and(v->live, shrinks);
-    w_f s = r.s, t = r.t;
-    w_clamp(triangle, &s, &t);
-    v->s = w_select(shrinks, s, v->s);
-    v->t = w_select(shrinks, t, v->t);
+    w_f x[2] = {r.s, r.t};
+    w_clamp(triangle, &x[0], &x[1]);
+    v->s = w_select(shrinks, x[0], v->s);
+    v->t = w_select(shrinks, x[1], v->t);
     v->radius = w_select(shrinks, r.radius, v->radius);
     return r;
 }

@@ -10,7 +10,7 @@
 /* F's Jacobian: J^-1 (s, t) = (m_0 s - n_0 t, m_1 t - n_1 s) inverse. */
 typedef struct f4_linear {
     f4 m, n, inverse;
-    f4 c; /* the Newton point less y */
+    f4 c, d; /* the Newton point less y; that times the determinant */
 } f4_linear;
 
 #define EP_SELDOM(x) __builtin_expect(x, 0)
@@ -79,7 +79,8 @@ EP_INLINE f4_linear f4_solve(f4 p, f4 at, f4 ds, f4 dt)
     f4_linear l = {.m = f4_first(t_by, s_by), .n = f4_first(by_t, by_s)};
     const f4 det = f4_fnma(l.n, f4_first(s_by, t_by), l.m * f4_first(by_s, by_t));
     l.inverse = f4_set(1.0f) / det;
-    l.c = f4_fnma(l.m, f, l.n * f4_swap(f)) * l.inverse;
+    l.d = f4_fnma(l.m, f, l.n * f4_swap(f));
+    l.c = l.d * l.inverse;
     return l;
 }
 
@@ -192,16 +193,17 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
     const float p_max = f4_norm(p), astray = leaf->reach * far;
     if (!(p_max < EP_STEEP && astray < EP_ASTRAY)) return slow;
 
-    /* start: the graph's equation */
-    const float ss_h = leaf->half[0][2], st_h = leaf->half[1][2], tt_h = leaf->half[2][2];
-    const float s = plane[0], t = plane[1], p_s = p[0], p_t = p[1];
-    const float g_s = f1_fma(st_h, t, ss_h * s), g_t = f1_fma(tt_h, t, st_h * s);
-    const float c0 = f1_fma(t, g_t, f1_fma(s, g_s, leaf->middle));
-    const float c1_2 = f1_fma(p_t, g_t, f1_fma(p_s, g_s, -0.5f));
-    const float c2 = f1_fma(p_t, f1_fma(tt_h, p_t, st_h * p_s), p_s * f1_fma(st_h, p_t, ss_h * p_s));
-    const float y = 1.0f / c1_2, e0 = c0 * y, ratio = c2 * y, z = e0 * ratio, size = f1_abs(z);
+    /* start: the graph's equation, of heights in the third lane */
+    const f4 ss = f4_load(leaf->half[0]), st = f4_load(leaf->half[1]), tt = f4_load(leaf->half[2]);
+    const f4 s = f4_lane(plane, 0), t = f4_lane(plane, 1), p_s = f4_lane(p, 0), p_t = f4_lane(p, 1);
+    const f4 way_s = f4_fma(st, p_t, ss * p_s), way_t = f4_fma(tt, p_t, st * p_s);
+    const f4 plane_s = f4_fma(st, t, ss * s), plane_t = f4_fma(tt, t, st * s);
+    const f4 half_c1 = f4_fma(t, way_t, f4_fma(s, way_s, f4_set(-0.5f))), over_c1 = f4_set(1.0f) / half_c1;
+    const f4 c0s = f4_fma(t, plane_t, f4_fma(s, plane_s, f4_set(leaf->middle))), c2s = f4_fma(p_t, way_t, p_s * way_s);
+    f4 root = (f4_set(-0.5f) * c0s) * over_c1; /* -e/2, a product sooner */
+    const float c0 = c0s[2], c1_2 = half_c1[2], c2 = c2s[2], y = over_c1[2];
+    const float e0 = c0 * y, ratio = c2 * y, z = e0 * ratio, size = f1_abs(z);
     const float spread = f1_abs(y) * off[2], slope = EP_EASY_SLOPE * spread;
-    float tau = -e0 * 0.5f;
     float delta = f1_fma(size, f1_fma(EP_EASY_REST, f1_abs(e0), slope), slope);
     if (EP_SELDOM(!(size <= EP_EASY_Z && f1_abs(ratio) * spread <= EP_EASY_WIDTH &&
                     f1_abs(ratio) * (high + delta) <= EP_EASY_OTHER))) {
@@ -210,21 +212,19 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         const f1_answer a =
             f1_near_root(leaf, &g, triangle, p, plane, inverse[0], t_plane[0], tnear, &exact[0], &exact[1]);
         if (a != F1_ROOT) return a == F1_NONE ? none : slow;
-        tau = exact[0];
+        root = f4_set(exact[0]);
         delta = exact[1];
     }
 
     /* ... and the point there */
     const float about = f1_fma(leaf->reach, far, p_max * delta);
-    const f4 u = f4_fma(p, f4_set(tau), plane);
     if (!(about <= EP_ABOUT)) return slow;
-    const f4 ss = f4_load(leaf->half[0]), st = f4_load(leaf->half[1]), tt = f4_load(leaf->half[2]);
-    const f4 u_s = f4_lane(u, 0), u_t = f4_lane(u, 1);
-    const f4 h_s = f4_fma(st, u_t, ss * u_s), h_t = f4_fma(tt, u_t, st * u_s);
-    f4 x = f4_fnma(h_t, u_t, f4_fnma(h_s, u_s, u));
+    const f4 tau = f4_lane(root, 2), u = f4_fma(p, tau, plane);
+    const f4 h_s = f4_fma(way_s, tau, plane_s), h_t = f4_fma(way_t, tau, plane_t);
+    f4 x = f4_fnma(h_t, f4_lane(u, 1), f4_fnma(h_s, f4_lane(u, 0), u));
     float radius = f1_fma(ep_leaf_from_foot(leaf, triangle), about, leaf->foot);
     if (triangle) radius = radius + radius;
-    if (!(f1_abs(tau) <= high + delta && f4_outside(triangle, x) <= radius)) return none;
+    if (!(f1_abs(tau[0]) <= high + delta && f4_outside(triangle, x) <= radius)) return none;
     x = f4_clamp(triangle, x);
 
     const f4 back = relative - org, low = ((org - (relative - back)) - (centre + back)) - centre_low;
@@ -236,10 +236,11 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
 
         /* advance */
         const f4_linear l = f4_solve(p, j.f, j.s, j.t);
-        const f4 c = l.c, cc = c * c, mixed = c * f4_swap(c);
-        const f4 curve = f4_fma(j.st, f4_lane(mixed, 0), f4_fma(j.tt, f4_lane(cc, 1), j.ss * f4_lane(cc, 0)));
+        const f4 c = l.c, dd = l.d * l.d, d_ss = f4_lane(dd, 0), d_tt = f4_lane(dd, 1);
+        const f4 d_st = f4_lane(l.d * f4_swap(l.d), 0), square = l.inverse * l.inverse;
+        const f4 curve = f4_fma(j.st, d_st, f4_fma(j.tt, d_tt, j.ss * d_ss));
         const f4 v = f4_fnma(p, f4_lane(curve, 2), curve);
-        const f4 step = f4_fma(f4_fnma(l.m, v, l.n * f4_swap(v)), l.inverse, c);
+        const f4 step = f4_fma(f4_fnma(l.m, v, l.n * f4_swap(v)), square, l.d) * l.inverse;
         const f4 found = x + step, step_s = f4_lane(step, 0), step_t = f4_lane(step, 1);
 
         /* what it is worth */
@@ -258,7 +259,7 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         if (!EP_SELDOM(!(length <= EP_NEAR && bound <= f1_max(EP_REMAINDER * noise, EP_ACCEPT * leaf->noise_st) &&
                          unique && ge <= EP_SURE))) {
             const bool vague = EP_SELDOM(EP_SHARP < left) && (EP_FLAT < margin || -outside <= left);
-            const f4 above = f4_fma(j.t, step_t, f4_fma(j.s, step_s, j.f + curve));
+            const f4 above = f4_fma(j.t, step_t, f4_fma(j.s, step_s, f4_fma(curve, f4_lane(square, 0), j.f)));
             const float k = f1_fma(above[2], inverse[0], t_plane[0]);
             if (!(tnear < k && k <= tfar)) {
                 if (!vague) return none;

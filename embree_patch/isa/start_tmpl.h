@@ -15,15 +15,30 @@ typedef struct w_graph {
     w_f high; /* |tau| is below this */
 } w_graph;
 
-/* c0, c1 / 2 and c2, u0 being (v->s, v->t). */
-EP_INLINE void w_equation(const ep_leaf *leaf, const w_visit *v, w_f *c0, w_f *c1_2, w_f *c2)
+/* The model's forms of u0 = (v->s, v->t) and of p: H u0 / 2 and H p / 2 for s, t and heights. */
+typedef struct w_forms {
+    w_f plane_s[3], plane_t[3], way_s[3], way_t[3];
+} w_forms;
+
+EP_INLINE void w_form_of(const ep_leaf *leaf, int c, w_f s, w_f t, w_f *by_s, w_f *by_t)
 {
-    const w_f s = v->s, t = v->t;
-    const w_f ss = w_set(leaf->half[0][2]), st = w_set(leaf->half[1][2]), tt = w_set(leaf->half[2][2]);
-    const w_f g_s = w_fma(st, t, ss * s), g_t = w_fma(tt, t, st * s);
-    *c0 = w_fma(t, g_t, w_fma(s, g_s, w_set(leaf->middle)));
-    *c1_2 = w_fma(v->p_t, g_t, w_fma(v->p_s, g_s, w_set(-0.5f)));
-    *c2 = w_fma(v->p_t, w_fma(tt, v->p_t, st * v->p_s), v->p_s * w_fma(st, v->p_t, ss * v->p_s));
+    const w_f st = w_set(leaf->half[1][c]);
+    *by_s = w_fma(st, t, w_set(leaf->half[0][c]) * s);
+    *by_t = w_fma(w_set(leaf->half[2][c]), t, st * s);
+}
+
+EP_INLINE void w_forms_of(const ep_leaf *leaf, const w_visit *v, int c, w_forms *f)
+{
+    w_form_of(leaf, c, v->s, v->t, &f->plane_s[c], &f->plane_t[c]);
+    w_form_of(leaf, c, v->p_s, v->p_t, &f->way_s[c], &f->way_t[c]);
+}
+
+/* c0, c1 / 2 and c2, from the forms of heights. */
+EP_INLINE void w_equation(const ep_leaf *leaf, const w_visit *v, const w_forms *f, w_f *c0, w_f *c1_2, w_f *c2)
+{
+    *c0 = w_fma(v->t, f->plane_t[2], w_fma(v->s, f->plane_s[2], w_set(leaf->middle)));
+    *c1_2 = w_fma(v->t, f->way_t[2], w_fma(v->s, f->way_s[2], w_set(-0.5f)));
+    *c2 = w_fma(v->p_t, f->way_t[2], v->p_s * f->way_s[2]);
 }
 
 /* u0 = (v->s, v->t) is right to e_st, heights along the ray to e_h, and |tau| is below `high`. */
@@ -31,7 +46,9 @@ EP_INLINE w_graph w_meet_graph(const ep_leaf *leaf, const w_visit *v, int triang
 {
     w_graph g;
     const float reach = (triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle);
-    w_equation(leaf, v, &g.c0, &g.c1, &g.c2);
+    w_forms f;
+    w_forms_of(leaf, v, 2, &f);
+    w_equation(leaf, v, &f, &g.c0, &g.c1, &g.c2);
     g.c1 = g.c1 + g.c1;
 
     /* c0, c1 tau and c2 tau² are right to a few roundings of terms below `terms` */
@@ -43,21 +60,16 @@ EP_INLINE w_graph w_meet_graph(const ep_leaf *leaf, const w_visit *v, int triang
     return g;
 }
 
-/* The point over the foot (u_s, u_t): x = u - m, m = H_st u²/2. */
-EP_INLINE void w_over(const ep_leaf *leaf, w_f u_s, w_f u_t, w_f x[2])
+/* The point x = u - H_st u²/2 over a foot that is in D give or take `about`, be that more than EP_ABOUT: returns how far
+ * x may be off, as ep_leaf_from_foot. */
+EP_INLINE w_f w_above(const ep_leaf *leaf, int triangle, w_f u_s, w_f u_t, w_f about, w_f x[2])
 {
     const w_f u[2] = {u_s, u_t};
     for (int c = 0; c < 2; ++c) {
-        const w_f ss = w_set(leaf->half[0][c]), st = w_set(leaf->half[1][c]), tt = w_set(leaf->half[2][c]);
-        x[c] = w_fnma(w_fma(tt, u_t, st * u_s), u_t, w_fnma(w_fma(st, u_t, ss * u_s), u_s, u[c]));
+        w_f by_s, by_t;
+        w_form_of(leaf, c, u_s, u_t, &by_s, &by_t);
+        x[c] = w_fnma(by_t, u_t, w_fnma(by_s, u_s, u[c]));
     }
-}
-
-/* The same, for a foot that is in D give or take `about`, be that more than EP_ABOUT: returns how far x may be off, as
- * ep_leaf_from_foot. */
-EP_INLINE w_f w_above(const ep_leaf *leaf, int triangle, w_f u_s, w_f u_t, w_f about, w_f x[2])
-{
-    w_over(leaf, u_s, u_t, x);
     const w_f one = w_set(1.0f), beside = w_set(ep_leaf_side(leaf, triangle)) + about;
     const w_f k =
         w_set(leaf->bend_st) * w_fma(w_set(triangle ? 4.0f : 1.0f), beside, w_set(triangle ? 2 * EP_THIRD : EP_HALF));
@@ -128,7 +140,9 @@ EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f
 {
     v->o = o;
     w_f c0, c1_2, c2;
-    w_equation(leaf, v, &c0, &c1_2, &c2);
+    w_forms f;
+    for (int c = 0; c < 3; ++c) w_forms_of(leaf, v, c, &f);
+    w_equation(leaf, v, &f, &c0, &c1_2, &c2);
     const w_f high = w_fma(v->far, w_set(leaf->reach), w_set(leaf->height));
     const w_f p = w_fma(v->far, w_set(leaf->reach), w_set(leaf->graph));
     const w_f y = w_set(1.0f) / c1_2, e = c0 * y, ratio = c2 * y, z = e * ratio, size = w_abs(z);
@@ -148,11 +162,14 @@ EP_INLINE void w_start(const ep_leaf *leaf, w_visit *v, int triangle, w_3 o, w_f
         r.unclear = w_and(hard, exact.unclear);
     }
     const w_f about = w_fma(w_set(leaf->reach), v->far, v->p_max * r.delta);
-    const w_f u_s = w_fma(v->p_s, r.tau, v->s), u_t = w_fma(v->p_t, r.tau, v->t);
+    /* over the foot u: x = u - H_st u²/2 */
+    const w_f u[2] = {w_fma(v->p_s, r.tau, v->s), w_fma(v->p_t, r.tau, v->t)};
+    w_f x[2];
+    for (int c = 0; c < 2; ++c)
+        x[c] = w_fnma(w_fma(f.way_t[c], r.tau, f.plane_t[c]), u[1],
+                      w_fnma(w_fma(f.way_s[c], r.tau, f.plane_s[c]), u[0], u[c]));
     const w_m left = w_andnot(v->live, r.none), start = w_andnot(left, r.unclear);
     const w_m vain = w_andnot(start, w_le(about, w_set(EP_ABOUT)));
-    w_f x[2];
-    w_over(leaf, u_s, u_t, x);
     const w_f off = w_fma(w_set(ep_leaf_from_foot(leaf, triangle)), about, w_set(leaf->foot));
     v->radius = triangle ? off + off : off;
     const w_m in = w_and(w_le(w_abs(r.tau), high + r.delta), w_le(w_outside(triangle, x[0], x[1]), v->radius));
