@@ -186,6 +186,19 @@ static void normal_in_leaf(const visit *v, const float *ng, double n[3])
     }
 }
 
+/* How fast the ray comes away from the surface at a root. */
+static double speed(const visit *v, const root *r)
+{
+    double nn = 0, nd = 0;
+    for (int c = 0; c < 3; ++c) {
+        const int a = (c + 1) % 3, b = (c + 2) % 3;
+        const double x = r->jet.ps[a] * r->jet.pt[b] - r->jet.ps[b] * r->jet.pt[a];
+        nn += x * x;
+        nd += x * (double)v->ray[EP_RAY_DIR + c];
+    }
+    return fabs(nd) / sqrt(nn);
+}
+
 /* A hit that is not vague: there is a root, it is where the hit is, and the normal is the surface's. */
 static void check_hit(const visit *v, float k, const float hit[5], double radius, double way, tally *tally)
 {
@@ -201,14 +214,7 @@ static void check_hit(const visit *v, float k, const float hit[5], double radius
     tally->place = fmax(tally->place, off / place);
 
     /* how far the point of the ray is from the surface: what epGetHitError says, which is for all of the patch */
-    double nn = 0, nd = 0;
-    for (int c = 0; c < 3; ++c) {
-        const int a1 = (c + 1) % 3, b1 = (c + 2) % 3;
-        const double x = r.jet.ps[a1] * r.jet.pt[b1] - r.jet.ps[b1] * r.jet.pt[a1];
-        nn += x * x;
-        nd += x * (double)v->ray[EP_RAY_DIR + c];
-    }
-    const double apart = fabs((k - r.k) * nd) / sqrt(nn);
+    const double apart = fabs(k - r.k) * speed(v, &r);
     const double error = epGetHitError(v->geometry, 0, v->ray + EP_RAY_ORG, v->ray + EP_RAY_DIR, k);
     CHECK(apart <= error, "%s: t is %.9g, by %.3g from the surface, not %.3g", describe(v, &r), k, apart, error);
     tally->t = fmax(tally->t, apart / error);
@@ -241,6 +247,13 @@ static found is_root(const visit *v, float *k, float hit[5], bool vague, double 
     return distance(r, s, t) <= radius + 2 * parameter_rounding(v) + 2 * r->exact ? FOUND : ANOTHER;
 }
 
+/* Whether a root is certainly behind tnear: by more than its t may be off. */
+static bool is_ahead(const visit *v, const root *r)
+{
+    const double error = epGetHitError(v->geometry, 0, v->ray + EP_RAY_ORG, v->ray + EP_RAY_DIR, (float)r->k);
+    return r->k - (double)v->ray[EP_RAY_TNEAR] > 0x1p-22 * r->k + error / speed(v, r);
+}
+
 static void check_single(const visit *v, const root *roots, size_t count, tally *tally)
 {
     EPCounters counters = {0};
@@ -254,6 +267,7 @@ static void check_single(const visit *v, const root *roots, size_t count, tally 
     if (o.slow) return;
     if (o.hit && !o.vague) check_hit(v, k, hit, INFINITY, way, tally);
     for (size_t i = 0; i < count; ++i) {
+        if (!is_ahead(v, &roots[i])) continue;
         CHECK(o.hit, "%s: certified to miss", describe(v, &roots[i]));
         float k2 = k, hit2[5];
         memcpy(hit2, hit, sizeof hit2);
@@ -266,7 +280,6 @@ static void check_single(const visit *v, const root *roots, size_t count, tally 
 /* What the tangent kernel says of any ray: each hit is a root, and all roots behind tnear are among them. */
 static void check_tangent(const visit *v, const root *roots, size_t count, tally *tally)
 {
-    const double tnear = v->ray[EP_RAY_TNEAR];
     float k[2][EP_PACKET], hits[2][5 * EP_PACKET];
     ep_roots out = {.t = {k[0], k[1]}, .hits = {hits[0], hits[1]}};
     v->kernels->tangent[v->piece.leaf->shape](v->piece.leaf, v->net, v->ray, 1, 1, &out);
@@ -278,7 +291,7 @@ static void check_tangent(const visit *v, const root *roots, size_t count, tally
             check_hit(v, k[slot][0], hits[slot], out.radius[slot][0], way_of(v), tally);
     }
     for (size_t i = 0; i < count; ++i) {
-        bool answered = roots[i].k - tnear <= 0x1p-22 * roots[i].k;
+        bool answered = !is_ahead(v, &roots[i]);
         for (unsigned slot = 0; slot < 2; ++slot) {
             if (!out.hit[slot]) continue;
             float t = k[slot][0], hit[5];
@@ -538,7 +551,13 @@ static void check_patch(uint64_t index, family family, tally *tally)
         visit later = v; /* from next to a root, or from within the prism */
         const root *near = &roots[rng_below(&r, (unsigned)count)];
         later.ray[EP_RAY_TNEAR] = (float)fmax(0, near->k - rng_scale(&r, 1e-6, 1) * way_of(&v));
+        check_single(&later, roots, count, tally);
         check_tangent(&later, roots, count, tally);
+        if (count == 2) { /* leaving the first one, towards the second */
+            const double first = fmin(roots[0].k, roots[1].k), between = fabs(roots[1].k - roots[0].k);
+            later.ray[EP_RAY_TNEAR] = (float)(first + rng_scale(&r, 1e-6, 0.9) * between);
+            check_single(&later, roots, count, tally);
+        }
         choose_cells(&v, &r, &roots[rng_below(&r, (unsigned)count)], from, to);
         check_cells(&v, roots, count, from, to, tally);
     }

@@ -34,9 +34,6 @@
  * for l there is within |a| h of the root's. Intervals end where l leaves the domain or the old neighbourhood by more
  * than Q, and with the leaf or the ray's cell. */
 
-/* Bounds are computed in the arithmetic whose rounding they bound: this much is added. */
-#define EP_OUTWARD (1 + 0x1p-10f)
-
 /* K x y of a quadratic form. */
 EP_INLINE w_f w_form(const w_f k[3], const w_f x[2], const w_f y[2])
 {

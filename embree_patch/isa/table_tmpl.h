@@ -27,6 +27,9 @@ typedef f4 f4_v;
 #undef X
 #include "embree_patch/isa/newton_tmpl.h"
 #include "embree_patch/isa/start_tmpl.h"
+#include "embree_patch/isa/rays_tmpl.h"
+#include "embree_patch/isa/point_tmpl.h"
+#include "embree_patch/isa/leave_tmpl.h"
 #include "embree_patch/isa/packet_tmpl.h"
 #include "embree_patch/isa/single_tmpl.h"
 #include "embree_patch/isa/approach_tmpl.h"
