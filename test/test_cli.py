@@ -121,6 +121,11 @@ TRIANGLE = {"name": "half", "type": "bezier_triangles", "degree": 2,
             "patches": [[[0, 0, 0, 3], [.5, 0, 0, 3], [1, 0, 0, 3], [0, .5, 0, 3], [.5, .5, .5, 3], [0, 1, 0, 3]]]}
 
 
+def crowd(name):
+    """Objects out of the way, of which there are too many for copies: all of that geometry are instances."""
+    return [{"geometry": name, "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 1000 + 2 * i, 0, 0]} for i in range(4097)]
+
+
 def test_usage():
     for args, pattern in [
         ((), "no command"),
@@ -494,48 +499,52 @@ def test_rays():
 
 def test_agreement():
     """Widths, threads, coherence: the same bytes. Occlusion: the same rays."""
-    name = write("mixed.json", scene(SADDLE, TRIANGLE, objects=[
-        {"geometry": "saddle"}, {"geometry": "half", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, .5]},
-        {"geometry": "saddle", "transform": [0, 1, 0, -1, 0, 0, 0, 0, 2, 1, 0, 1]}]))
+    objects = [{"geometry": "saddle"}, {"geometry": "half", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, .5]},
+               {"geometry": "saddle", "transform": [0, 1, 0, -1, 0, 0, 0, 0, 2, 1, 0, 1]}]
     rays = []
     for i in range(997):
         a = i * 0.6180339887
         o = (3 * math.cos(9 * a), 3 * math.sin(9 * a), 3 * math.sin(5 * a))
         to = (a % 1, (a * 1.7) % 1, (a * 2.3) % 2)
         rays.append((*o, 0, *[q - p for p, q in zip(o, to)], math.inf))
-    base = trace(name, rays, "--width", 16)
-    check(len({h[3] for h in base}) == 4, "the rays of the test hit every object and nothing")
-    for args in (("--width", 1), ("--width", 4), ("--width", 8), ("--threads", 1), ("--threads", 2), ("--coherent",),
-                 ("--on-demand",), ("--on-demand", "--width", 1), ("--isa", "plain")):
-        check(trace(name, rays, *args) == base, f"{args}: other bits than --width 16")
-    hit = [int(h[4] != MISS) for h in base]
-    for width in (1, 4, 8, 16):
-        for more in ((), ("--on-demand",)):
-            check(trace(name, rays, "--occluded", "--width", width, *more) == hit, f"--occluded --width {width} {more}")
+    for kind, more_objects in (("placed", []), ("instances", crowd("saddle"))):
+        name = write("mixed.json", scene(SADDLE, TRIANGLE, objects=objects + more_objects))
+        base = trace(name, rays, "--width", 16)
+        check({h[3] for h in base} == {0, 1, 2, MISS}, "the rays of the test hit every object and nothing")
+        for args in (("--width", 1), ("--width", 4), ("--width", 8), ("--threads", 1), ("--threads", 2), ("--coherent",),
+                     ("--on-demand",), ("--on-demand", "--width", 1), ("--isa", "plain")):
+            check(trace(name, rays, *args) == base, f"{kind}, {args}: other bits than --width 16")
+        hit = [int(h[4] != MISS) for h in base]
+        for width in (1, 4, 8, 16):
+            for more in ((), ("--on-demand",)):
+                check(trace(name, rays, "--occluded", "--width", width, *more) == hit,
+                      f"{kind}, --occluded --width {width} {more}")
 
 
 def test_objects():
     m = [0, 2, 0, -3, 0, 0, 0, 0, 5, 7, 8, 9]  # x -> 2 y, y -> -3 x, z -> 5 z, then moved
     mirror = [1, 0, 0, 0, 1, 0, 0, 0, -1, 0, 0, 0]
-    name = write("objects.json", scene(SADDLE, TRIANGLE, {"type": "bezier", "degree": [1, 1], "patches": []}, objects=[
-        {"geometry": "half", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 20, 0, 0]},
-        {"geometry": "saddle", "transform": m},
-        {"geometry": "saddle", "material": "steel"},
-        {"geometry": "saddle", "transform": [*mirror[:9], 10, 0, 0]}]))
+    geometry = [SADDLE, TRIANGLE, {"type": "bezier", "degree": [1, 1], "patches": []}]
+    objects = [{"geometry": "half", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 20, 0, 0]},
+               {"geometry": "saddle", "transform": m},
+               {"geometry": "saddle", "material": "steel"},
+               {"geometry": "saddle", "transform": [*mirror[:9], 10, 0, 0]}]
+    write("placed.json", scene(*geometry, objects=objects))
+    write("instances.json", scene(*geometry, objects=objects + crowd("saddle")))
     u, v = .25, .5
     at = (7 - 3 * v, 8 + 2 * u, 9 + 5 * u * v)
     # cofactors of M applied to (-v, -u, 1)
     a, b = (0, 2, 5 * v), (-3, 0, 5 * u)
     normal = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    for as_ in ("patches", "triangles:64"):
+    for name, as_ in ((n, a) for n in ("placed.json", "instances.json") for a in ("patches", "triangles:64")):
         tolerance = 1e-5 if as_ == "patches" else 5e-2
         h = trace(name, [down(at[0], at[1], 100), down(u, v), down(10 + u, v), down(20 + u, v)], "--as", as_)
         if len(h) != 4:
             continue
-        same_hit(h[0], 100 - at[2], u, v, 1, 0, normal, f"a transformed object, {as_}", tolerance)
-        same_hit(h[1], 10 - u * v, u, v, 2, 0, (-v, -u, 1), f"an object as it is, {as_}", tolerance)
-        same_hit(h[2], 10 + u * v, u, v, 3, 0, (v, u, 1), f"a mirrored object, {as_}", tolerance)
-        same_hit(h[3], 10 - u * v, u, v, 0, 0, (-v, -u, 1), f"a moved triangle, {as_}", tolerance)
+        same_hit(h[0], 100 - at[2], u, v, 1, 0, normal, f"{name}, a transformed object, {as_}", tolerance)
+        same_hit(h[1], 10 - u * v, u, v, 2, 0, (-v, -u, 1), f"{name}, an object as it is, {as_}", tolerance)
+        same_hit(h[2], 10 + u * v, u, v, 3, 0, (v, u, 1), f"{name}, a mirrored object, {as_}", tolerance)
+        same_hit(h[3], 10 - u * v, u, v, 0, 0, (-v, -u, 1), f"{name}, a moved triangle, {as_}", tolerance)
     for text in (scene(), scene(SADDLE, objects=[]), scene({"type": "bezier", "degree": [1, 1], "patches": []})):
         name = write("empty.json", text)
         h = trace(name, [down(.5, .5)])
@@ -546,6 +555,97 @@ def test_objects():
                                       "patches": [{"points": SADDLE["patches"][0]}]}))
     h = trace(name, [down(.5, .5)])
     check(h and h[0][4] == 0, f"a patch as an object with points: {h}")
+
+
+def transformed(geometry, m, name):
+    """The geometry that an object with transform m shows."""
+    def move(p):
+        return [sum(m[3 * axis + x] * p[axis] for axis in range(3)) + m[9 + x] for x in range(3)] + p[3:]
+    return dict(geometry, name=name, patches=[[move(p) for p in patch] for patch in geometry["patches"]])
+
+
+def test_placed_objects():
+    """An object answers bit for bit as its patches do when they are written where it is."""
+    bent = {"name": "bent", "type": "bezier", "degree": [3, 2], "trim": HOLE, "patches": [
+        [[i / 4, j / 2, (3 * i + 5 * j + i * j) % 7 / 8, 1 + (i + 2 * j) % 3 / 2] for j in range(3) for i in range(4)]]}
+    half = transformed(TRIANGLE, [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, .25], "half")  # not where the saddle is
+    turns = [[1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0],
+             [2, 0, 0, 0, .5, 0, 0, 0, 4, 1.25, -3, .5],   # stretched and moved
+             [0, 1, 0, -1, 0, 0, 0, 0, 1, -2, 0, 0],       # a quarter turn
+             [0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 2, -1],        # about the diagonal
+             [-1, 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 1],       # mirrored
+             [0, 0, -.5, 0, 2, .25, 1, 0, 0, 0, 0, 2]]     # sheared, scaled and mirrored
+    shown = [(g, m) for m in turns for g in (SADDLE, half, bent)] + [
+        (dict(bent, name="alone"), [0, .5, 0, 0, 0, .5, .5, 0, 0, 0, 4, 0])]
+    given = {g["name"]: g for g, _ in shown}
+    placed = write("placed.json", scene(*given.values(), objects=[
+        {"geometry": g["name"], **({} if m == turns[0] else {"transform": m})} for g, m in shown]))
+    there = write("there.json", scene(*(transformed(g, m, str(i)) for i, (g, m) in enumerate(shown))))
+    rays = []
+    for i in range(4000):
+        a = i * 0.6180339887
+        o = (8 * math.cos(9 * a), 8 * math.sin(9 * a), 8 * math.sin(5 * a))
+        g, m = shown[i % len(shown)]
+        to = transformed(dict(g, patches=[[[a * 1.7 % 1, a * 2.3 % 1, a % 1]]]), m, "")["patches"][0][0]
+        rays.append((*o, 0, *[q - p for p, q in zip(o, to)], math.inf))
+    for args in ((), ("--as", "triangles:8"), ("--on-demand",)):
+        for width in (1, 16):
+            h = trace(placed, rays, "--width", width, *args)
+            check({x[3] for x in h} == {*range(len(shown)), MISS}, f"{args}: not everything is hit")
+            check(h == trace(there, rays, "--width", width, *args),
+                  f"--width {width} {args}: other bits than patches there")
+            check([int(x[4] != MISS) for x in h] == trace(placed, rays, "--width", width, "--occluded", *args),
+                  f"--width {width} {args}: --occluded disagrees")
+
+    # What is shown as it is needs no copy, nor does what one object shows.
+    r = Run("info", placed, "--json")
+    if works(r):
+        i, j = json.loads(r.out), json.loads(Run("info", there, "--json").out)
+        copies = {g["name"]: g["copies"] for g in i["geometries"]}
+        check(copies == {"saddle": 5, "half": 5, "bent": 5, "alone": 0}, f"info --json: {i}")
+        check(i["leaves"] == j["leaves"] and i["bounds"] == j["bounds"], f"info --json: {i} {j}")
+        check([g["patches"] for g in i["geometries"]] == [1] * 4 and i["total"]["patches"] == 4, f"info --json: {i}")
+    check(b"and 5 copies" in Run("info", placed).out, "info tells nothing of copies")
+    refuses(Run("info", placed, "--svg", "domain.svg", "--patch", 4), 1, "there is no patch 4; the scene has 4")
+    r = Run("verify", placed, "--rays", "400", "--isa", "plain")
+    check(works(r), f"{r}: {r.out.decode()}")
+
+
+def test_copies_are_limited():
+    """4096 patches may be copied; beyond, objects are instances, which take no memory of their own."""
+    def patches(count):
+        return dict(SADDLE, patches=[[[x + 2 * i, y, z] for x, y, z in SADDLE["patches"][0]] for i in range(count)])
+
+    def lifted(count):
+        return [{"geometry": "saddle", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, i + 1]} for i in range(count)]
+
+    def info(*args, **more):
+        r = Run("info", write("some.json", scene(*args, **more)), "--json")
+        return json.loads(r.out) if works(r) else None
+
+    one, as_it_is = info(patches(2048)), [{"geometry": "saddle"}]
+    for objects, copies in ((as_it_is + lifted(2), 2), (lifted(3), 2), (as_it_is + lifted(3), 0), (lifted(4), 0)):
+        what, top = f"{len(objects)} objects, {copies} copies", len(objects) - 1
+        i = info(patches(2048), objects=objects)
+        check(i["geometries"][0]["copies"] == copies, f"{what}: {i}")
+        check(i["leaves"] == (copies + 1) * one["leaves"], f"{what}: {i['leaves']} leaves of {one['leaves']}")
+        check(i["bytes_patches"] < (copies + 1.1) * one["bytes_patches"], f"{what}: {i}")
+        for as_ in ("patches", "triangles:2"):
+            h = trace("some.json", [down(4094.25, .25)], "--as", as_)
+            same_hit(h[0] if h else None, 10 - objects[-1]["transform"][11] - .0625, .25, .25, top, 2047, (-.25, -.25, 1),
+                     f"{what}, {as_}", 1e-5 if as_ == "patches" else .3)
+
+    # A single object needs no copy, however many patches it has.
+    i = info(patches(4100), objects=lifted(1))
+    check(i["geometries"][0]["copies"] == 0 and i["bounds"][2] > .9, f"info: {i['geometries'][0]}")
+    check(i["geometries"][0]["bounds"] == i["bounds"], f"a single object is not in its place: {i}")
+
+    # Where doubles are too coarse for a surface, it is not moved.
+    one, far = info(SADDLE), {"geometry": "saddle", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 1e15, 1 / 3, 0]}
+    i = info(SADDLE, objects=[far, *lifted(1), far])
+    check(i["geometries"][0]["copies"] == 1 and i["leaves"] == 2 * one["leaves"], f"far away: {i}")
+    h = trace("some.json", [down(.25, .25)])
+    same_hit(h[0] if h else None, 9 - .0625, .25, .25, 1, 0, (-.25, -.25, 1), "next to objects far away", 1e-5)
 
 
 BENCH = ("--runs", "1", "--rays", "256", "--max-tessellation", "16")

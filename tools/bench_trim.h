@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * A geometry stands by itself and untransformed. It is traced whole; whole, with an Embree filter that tests every hit
+ * A geometry stands by itself, wherever it is. It is traced whole; whole, with an Embree filter that tests every hit
  * against the region as it stands, by one of trim/'s methods; and trimmed by the library, its crossed parts divided in
  * one of the ways that EPTrimSplit names. The rays are those of `epatch bench`, made for the whole geometry: where
  * something was trimmed away they go on, as any ray does. */

@@ -87,7 +87,8 @@ static bool run(const scene *s, const bench_options *o, unsigned methods, bench_
             "the rays fill\nthe untrimmed geometry and go on where it is trimmed away. crossed: the part of the "
             "domain that is tested.\n",
             s->path, o->threads[0], o->threads[0] == 1 ? "" : "s", o->runs);
-    for (size_t i = 0; i < s->geometry_count && done; ++i) {
+    const size_t originals = scene_originals(s);
+    for (size_t i = 0; i < originals && done; ++i) {
         if (!is_trimmed(&s->geometries[i])) continue;
         trimmed_geometry g = {.count = 0};
         const char *name = s->geometries[i].name;

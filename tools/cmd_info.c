@@ -29,9 +29,9 @@ typedef struct sort {
 typedef struct geometry_info {
     const char *name;
     sort *sorts;
-    size_t sort_count;
-    EPStatistics statistics;
-    float bounds[6];
+    size_t sort_count, copies;
+    EPStatistics statistics; /* with those of copies */
+    float bounds[6];         /* with those of copies */
 } geometry_info;
 
 static int compare_sorts(const void *x, const void *y)
@@ -103,21 +103,23 @@ static void print_table(const world *w, const geometry_info *infos, const EPStat
                         const trace_result *traced)
 {
     const scene *s = w->scene;
-    printf("%s: %zu geometr%s, %zu object%s, kernels %s\n", s->path, s->geometry_count,
-           s->geometry_count == 1 ? "y" : "ies", s->object_count, s->object_count == 1 ? "" : "s",
-           total->isa ? total->isa : "none");
+    const size_t n = scene_originals(s);
+    printf("%s: %zu geometr%s, %zu object%s, kernels %s\n", s->path, n, n == 1 ? "y" : "ies", s->object_count,
+           s->object_count == 1 ? "" : "s", total->isa ? total->isa : "none");
     if (w->bounds[0] <= w->bounds[3])
         printf("box %g %g %g to %g %g %g\n", (double)w->bounds[0], (double)w->bounds[1], (double)w->bounds[2],
                (double)w->bounds[3], (double)w->bounds[4], (double)w->bounds[5]);
     printf("\n%-22s %8s %9s %8s %4s %9s %11s %10s %10s\n", "geometry", "patches", "leaves", "depth", "max", "thickness",
            "uncertified", "setup s", "kB");
-    for (size_t i = 0; i < s->geometry_count; ++i) {
+    for (size_t i = 0; i < n; ++i) {
         char number[32];
         snprintf(number, sizeof number, "%zu", i);
         print_row(infos[i].name ? infos[i].name : number, &infos[i].statistics);
         for (size_t k = 0; k < infos[i].sort_count; ++k) print_sort(&infos[i].sorts[k]);
+        if (infos[i].copies)
+            printf("  and %zu cop%s, where objects put them\n", infos[i].copies, infos[i].copies == 1 ? "y" : "ies");
     }
-    if (s->geometry_count != 1) print_row("total", total);
+    if (n != 1) print_row("total", total);
     printf("\nwith Embree's hierarchy: %.4f s, %.1f kB ours and %.1f kB Embree's\n", w->build_seconds,
            (double)w->bytes_patches / 1024, (double)w->bytes_embree / 1024);
     if (traced)
@@ -151,7 +153,8 @@ static json_t *geometry_json(const geometry_info *info)
                                  (int)s->degree_v, "rational", s->rational, "count", (json_int_t)s->count);
         if (json_array_append_new(kinds, kind)) return json_decref(kinds), NULL;
     }
-    json_t *o = json_pack("{s:s?, s:o, s:o}", "name", info->name, "kinds", kinds, "bounds", bounds_json(info->bounds));
+    json_t *o = json_pack("{s:s?, s:o, s:I, s:o}", "name", info->name, "kinds", kinds, "copies",
+                          (json_int_t)info->copies, "bounds", bounds_json(info->bounds));
     if (!stats_add(o, statistics_json(&info->statistics))) return json_decref(o), NULL;
     return o;
 }
@@ -160,7 +163,7 @@ static bool print_json(const world *w, const geometry_info *infos, const EPStati
                        const trace_result *traced)
 {
     json_t *geometries = json_array();
-    for (size_t i = 0; i < w->scene->geometry_count; ++i)
+    for (size_t i = 0; i < scene_originals(w->scene); ++i)
         if (json_array_append_new(geometries, geometry_json(&infos[i]))) {
             json_decref(geometries);
             return stats_write("-", NULL);
@@ -174,20 +177,39 @@ static bool print_json(const world *w, const geometry_info *infos, const EPStati
     return stats_write("-", o);
 }
 
+/* What the copies of a geometry take, and where they are, is told with the geometry; its patches are counted once. */
+static void add_copy(geometry_info *info, EPGeometry copy)
+{
+    EPStatistics s;
+    float b[6];
+    epGetGeometryStatistics(copy, &s);
+    epGetGeometryBounds(copy, b);
+    s.patches = 0;
+    add_statistics(&info->statistics, &s);
+    for (int x = 0; x < 3; ++x) {
+        if (b[x] < info->bounds[x]) info->bounds[x] = b[x];
+        if (b[3 + x] > info->bounds[3 + x]) info->bounds[3 + x] = b[3 + x];
+    }
+    ++info->copies;
+}
+
 static bool describe(const info_command *c, const world *w, const trace_result *traced)
 {
-    size_t n = w->scene->geometry_count;
+    const scene *s = w->scene;
+    size_t n = scene_originals(s);
     geometry_info *infos = calloc(n + 1, sizeof *infos);
     EPStatistics total = {0};
     bool done = infos != NULL;
     for (size_t i = 0; done && i < n; ++i) {
-        infos[i].name = w->scene->geometries[i].name;
+        infos[i].name = s->geometries[i].name;
         epGetGeometryStatistics(w->geometries[i], &infos[i].statistics);
         epGetGeometryBounds(w->geometries[i], infos[i].bounds);
-        add_statistics(&total, &infos[i].statistics);
-        done = count_sorts(&w->scene->geometries[i], &infos[i]);
+        done = count_sorts(&s->geometries[i], &infos[i]);
     }
-    if (!done) report_no_memory(w->scene->path);
+    for (size_t i = n; done && i < s->geometry_count; ++i)
+        add_copy(&infos[s->geometries[i].original - s->geometries], w->geometries[i]);
+    for (size_t i = 0; done && i < n; ++i) add_statistics(&total, &infos[i].statistics);
+    if (!done) report_no_memory(s->path);
     else if (c->json) done = print_json(w, infos, &total, traced);
     else print_table(w, infos, &total, traced);
 

@@ -84,7 +84,8 @@ static bool run(const verify_command *c)
 
 int cmd_verify(int argc, char **argv)
 {
-    verify_command c = {.isa = "all", .width = ARG_COUNT(widths), .o = {.rays = 20000, .seed = 1, .limits = judge_usual, .explain = 5}};
+    verify_command c = {
+        .isa = "all", .width = ARG_COUNT(widths), .o = {.rays = 20000, .seed = 1, .limits = judge_usual, .explain = 5}};
     unsigned rays = 20000, seed = 1;
     const arg_option options[] = {
         ARG_UNSIGNED("--rays", "N", &rays, 1, 1u << 30, "rays of each kind (20000)"),
@@ -99,11 +100,11 @@ int cmd_verify(int argc, char **argv)
     const arg_table table = {
         "verify SCENE",
         "Holds the kernels against a slow reference in double precision: random rays at every geometry\n"
-        "of the scene by itself, untransformed. A fault is a hit missed, one too many, a wrong t\n"
-        "(2e-5 relative), u, v or normal (0.25 degrees), an occlusion query that disagrees, or other\n"
-        "bits in another width or instruction set. Rays that a rounding could turn from hit to miss,\n"
-        "within 2e-3 of tangency, 1e-5 of a border or 2e-5 of a trim, are left out. Exit status 1 when\n"
-        "there is a fault.",
+        "of the scene by itself, as it is or where an object puts it. A fault is a hit missed, one too\n"
+        "many, a wrong t (2e-5 relative), u, v or normal (0.25 degrees), an occlusion query that\n"
+        "disagrees, or other bits in another width or instruction set. Rays that a rounding could turn\n"
+        "from hit to miss, within 2e-3 of tangency, 1e-5 of a border or 2e-5 of a trim, are left out.\n"
+        "Exit status 1 when there is a fault.",
         "SCENE",
         &c.scene,
         options,

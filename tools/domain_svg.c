@@ -36,10 +36,10 @@ static void draw(FILE *f, EPGeometry surface, const patch *p, uint32_t index)
 bool domain_svg_write(const world *w, size_t index, const char *path)
 {
     const scene *s = w->scene;
+    const size_t originals = scene_originals(s);
     size_t i = 0, patches = 0;
-    while (i < s->geometry_count && index - patches >= s->geometries[i].patch_count)
-        patches += s->geometries[i++].patch_count;
-    if (i == s->geometry_count) {
+    while (i < originals && index - patches >= s->geometries[i].patch_count) patches += s->geometries[i++].patch_count;
+    if (i == originals) {
         report_file(s->path, "there is no patch %zu; the scene has %zu", index, patches);
         return false;
     }

@@ -6,7 +6,7 @@
 
 #include "tools/world.h"
 
-/* Patch `index`, counted through all geometries of a world of exact patches. False after a message. */
+/* Patch `index`, counted through all geometries, but for copies, of a world of exact patches. False after a message. */
 bool domain_svg_write(const world *w, size_t index, const char *path);
 
 #endif

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/scene_json.h"
+#include "tools/scene_place.h"
 #include "tools/args.h"
 #include "tools/files.h"
 #include "tools/model.h"
@@ -156,25 +157,34 @@ scene *scene_read(const char *path)
     bool json = !*e || !strcasecmp(e, ".json");
     bool done = json ? scene_read_json(path, s) : read_model_scene(s);
     if (done && !s->objects) done = place_all(s);
-    if (!done) {
-        scene_free(s);
-        return NULL;
-    }
-    for (size_t i = 0; i < s->geometry_count; ++i) find_rational(&s->geometries[i]);
-    return s;
+    for (size_t i = 0; done && i < s->geometry_count; ++i) find_rational(&s->geometries[i]);
+    if (done && scene_place(s)) return s;
+    scene_free(s);
+    return NULL;
+}
+
+size_t scene_originals(const scene *s)
+{
+    size_t n = 0;
+    while (n < s->geometry_count && !s->geometries[n].original) ++n;
+    return n;
+}
+
+static void geometry_free(scene_geometry *g)
+{
+    free(g->points);
+    if (g->original) return;
+    for (size_t i = 0; i < g->patch_count; ++i) epReleaseRegion(g->patches[i].trim);
+    for (size_t i = 0; i < g->shape_count; ++i) shape_free(g->shapes[i]);
+    free(g->shapes);
+    free(g->patches);
+    free(g->name);
 }
 
 void scene_free(scene *s)
 {
     if (!s) return;
-    for (size_t i = 0; i < s->geometry_count; ++i) {
-        free(s->geometries[i].name);
-        free(s->geometries[i].points);
-        for (size_t k = 0; k < s->geometries[i].patch_count; ++k) epReleaseRegion(s->geometries[i].patches[k].trim);
-        for (size_t k = 0; k < s->geometries[i].shape_count; ++k) shape_free(s->geometries[i].shapes[k]);
-        free(s->geometries[i].shapes);
-        free(s->geometries[i].patches);
-    }
+    for (size_t i = 0; i < s->geometry_count; ++i) geometry_free(&s->geometries[i]);
     for (size_t i = 0; i < s->object_count; ++i) free(s->objects[i].material);
     free(s->geometries);
     free(s->objects);

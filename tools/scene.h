@@ -1,4 +1,5 @@
-/* scene.h - what a scene file or a model file says, as data; scene_json.c and model_*.c read it.
+/* scene.h - what a scene file or a model file says, as data; scene_json.c and model_*.c read it, scene_place.c puts
+ * objects in their places.
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #ifndef EPATCH_SCENE_H
@@ -22,6 +23,7 @@ typedef struct patch {
 } patch;
 
 typedef struct scene_geometry {
+    const struct scene_geometry *original; /* of a copy: what it shares all with but the points; else NULL */
     char *name;
     double *points; /* 4 * point_count */
     size_t point_count;
@@ -33,9 +35,9 @@ typedef struct scene_geometry {
 
 typedef struct scene_object {
     size_t geometry;      /* index into scene.geometries */
-    double transform[12]; /* images of x, y, z axes, then the translation */
-    bool identity;
-    char *material; /* NULL: the default */
+    double transform[12]; /* images of x, y, z axes, then the translation; see scene_place.h */
+    bool identity;        /* the transform is none: the geometry is where the object is */
+    char *material;       /* NULL: the default */
 } scene_object;
 
 typedef struct camera {
@@ -47,7 +49,7 @@ typedef struct scene {
     char *path; /* as given; "<stdin>" for "-" */
     bool has_camera;
     camera camera;
-    scene_geometry *geometries;
+    scene_geometry *geometries; /* those of the file in its order, then copies that objects have moved */
     size_t geometry_count;
     scene_object *objects; /* always filled: without "objects", each geometry once */
     size_t object_count;
@@ -57,6 +59,9 @@ typedef struct scene {
  * FILE:LINE:COLUMN: what is wrong`, to standard error and returns NULL. */
 scene *scene_read(const char *path);
 void scene_free(scene *s);
+
+/* How many of the geometries are no copies: what the file has. */
+size_t scene_originals(const scene *s);
 
 /* NULL when the camera can see, else what is wrong with it. */
 const char *camera_problem(const camera *c);

@@ -267,7 +267,7 @@ static void aim_block(bench *b, aim_kind kind, uint64_t geometry, size_t first, 
     }
 }
 
-/* The scene of geometry g alone. */
+/* The scene of geometry g alone, where it is. */
 static scene alone(const scene *s, size_t g, scene_object *object)
 {
     scene one = *s;
@@ -280,8 +280,9 @@ static scene alone(const scene *s, size_t g, scene_object *object)
 
 static bool prepare_shapes(const scene *s)
 {
+    const size_t originals = scene_originals(s);
     bool done = true;
-    for (size_t g = 0; g < s->geometry_count; ++g)
+    for (size_t g = 0; g < originals; ++g)
         for (size_t i = 0; i < s->geometries[g].shape_count; ++i)
             done = done && shape_prepare(s->geometries[g].shapes[i]);
     if (!done) report_no_memory(s->path);
@@ -292,12 +293,13 @@ bool verify_scene(const scene *s, const verify_options *o, verify_report *report
 {
     *report = (verify_report){0};
     if (!prepare_shapes(s)) return false;
+    const size_t originals = scene_originals(s);
     size_t geometries = 0;
-    for (size_t g = 0; g < s->geometry_count; ++g) geometries += s->geometries[g].patch_count > 0;
+    for (size_t g = 0; g < originals; ++g) geometries += s->geometries[g].patch_count > 0;
     progress p;
     progress_begin(&p, "verify", geometries * AIM_KINDS * (geometries ? (o->rays + geometries - 1) / geometries : 0));
     bool done = true;
-    for (size_t g = 0; g < s->geometry_count && done; ++g) {
+    for (size_t g = 0; g < originals && done; ++g) {
         if (!s->geometries[g].patch_count) continue;
         scene_object object;
         const scene one = alone(s, g, &object);
@@ -322,8 +324,9 @@ bool verify_rays(const scene *s, const trace_ray *rays, size_t count, const veri
 {
     *report = (verify_report){0};
     if (!prepare_shapes(s)) return false;
+    const size_t originals = scene_originals(s);
     bool done = true;
-    for (size_t g = 0; g < s->geometry_count && done; ++g) {
+    for (size_t g = 0; g < originals && done; ++g) {
         if (!s->geometries[g].patch_count) continue;
         scene_object object;
         const scene one = alone(s, g, &object);

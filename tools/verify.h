@@ -41,7 +41,8 @@ typedef struct verify_report {
     size_t wrong_count, wrong_capacity;
 } verify_report;
 
-/* Traces every geometry of the scene by itself, untransformed. False after a message; else free report->wrong. */
+/* Traces every geometry of the scene by itself, without its copies: where scene_place() has put it, else untransformed.
+ * False after a message; else free report->wrong. */
 bool verify_scene(const scene *s, const verify_options *o, verify_report *report);
 
 /* The same for rays that are given, as one kind (AIM_AT) and on every geometry. */

@@ -2,8 +2,8 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * Object k has the id k in the top-level scene: as the geometry itself when it is not transformed, else as an instance
- * of a scene that all transformed objects of that geometry share. */
+ * Object k has the id k in the top-level scene: as the geometry itself when it is not transformed (any more, see
+ * scene_place.h), else as an instance of a scene that all transformed objects of that geometry share. */
 #include "tools/world.h"
 #include "tools/progress.h"
 #include "tools/report.h"

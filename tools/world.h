@@ -48,8 +48,8 @@ static inline bool world_takes_coherent(const world *w, bool occluded)
     return EP_EMBREE != 3 || !occluded || !w->instances;
 }
 
-/* What a hit means in the terms of CONTRACT.md. A single untransformed object is attached to the top-level scene
- * directly; a transformed one is an Embree instance. */
+/* What a hit means in the terms of CONTRACT.md. An object without a transform is attached to the top-level scene
+ * directly; one that scene_place() has left transformed is an Embree instance. */
 typedef struct world_hit {
     float t, u, v;
     uint32_t geomID, primID; /* object index, patch index; ~0 both: a miss */
