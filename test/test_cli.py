@@ -640,6 +640,10 @@ def test_copies_are_limited():
     check(i["geometries"][0]["copies"] == 0 and i["bounds"][2] > .9, f"info: {i['geometries'][0]}")
     check(i["geometries"][0]["bounds"] == i["bounds"], f"a single object is not in its place: {i}")
 
+    for count, copies in ((129, 128), (130, 0)):  # trimmed patches have more leaves
+        i = info(dict(SADDLE, trim={"circle": {}}), objects=lifted(count))
+        check(i["geometries"][0]["copies"] == copies, f"{count} trimmed objects: {i}")
+
     # Where doubles are too coarse for a surface, it is not moved.
     one, far = info(SADDLE), {"geometry": "saddle", "transform": [1, 0, 0, 0, 1, 0, 0, 0, 1, 1e15, 1 / 3, 0]}
     i = info(SADDLE, objects=[far, *lifted(1), far])
