@@ -10,6 +10,15 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Lets a ray start next to its first hit, on either side. */
+static void leave(const oracle *o, rng *r, const float org[3], const float dir[3], float *tnear)
+{
+    const double from[3] = {org[0], org[1], org[2]}, to[3] = {dir[0], dir[1], dir[2]};
+    oracle_root roots[ORACLE_ROOTS];
+    if (!oracle_intersect(o, from, to, 0, INFINITY, roots)) return;
+    *tnear = (float)(roots[0].t_low * (1 + rng_sign(r) * rng_scale(r, 1e-7, 1e-2)));
+}
+
 /* Rays as they come: most of them at the leaf, one in eight of the sort that breaks things. */
 static void fill(const oracle *o, const ep_patch *patch, rng *r, test_packet *p, unsigned n, uint32_t *active)
 {
@@ -22,6 +31,7 @@ static void fill(const oracle *o, const ep_patch *patch, rng *r, test_packet *p,
             tnear = (float)rng_in(r, 0, reach);
             tfar = tnear + (float)rng_in(r, 0, reach);
         }
+        if (rng_below(r, 16) == 0) leave(o, r, org, dir, &tnear);
         const unsigned c = rng_below(r, 3);
         switch (rng_below(r, 80)) {
         case 0: org[c] = NAN; break;
