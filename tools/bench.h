@@ -42,6 +42,7 @@ typedef struct bench_figure {
 typedef struct bench_column {
     bench_figure build;                  /* seconds                   */
     bench_figure speed[BENCH_WORKLOADS]; /* millions of rays a second */
+    bench_figure ratio[BENCH_WORKLOADS]; /* of a tessellation: the patches' speed, right before and after, by its own */
 } bench_column;
 
 typedef struct bench_subject {

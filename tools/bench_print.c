@@ -69,7 +69,7 @@ static void ratios(table *t, const bench *b, const bench_subject *s, unsigned co
     }
     cell_part(t, bench_median(&p->build) / bench_median(&q->build));
     for (unsigned w = 0; w < BENCH_WORKLOADS; ++w)
-        if (b->options.workloads >> w & 1) table_figure(t, bench_median(&p->speed[w]) / bench_median(&q->speed[w]));
+        if (b->options.workloads >> w & 1) table_figure(t, bench_median(&q->ratio[w]));
 }
 
 /* What more threads bring. */
@@ -146,7 +146,8 @@ static void print_legend(const bench *b)
     if (difference >= 0)
         printf(".\nPrimary and random rays hit them as often as the patches, to %.2g %% of the rays", 100 * difference);
     puts(
-        ".\n1: single rays; 16: packets. Error: the largest distance of a hit from the exact surface, relative to the\n"
+        ".\nRatios are medians of what the patches did right before and after a tessellation, by what that did.\n"
+        "1: single rays; 16: packets. Error: the largest distance of a hit from the exact surface, relative to the\n"
         "scene's diagonal; normal: the largest angle. Memory and build count everything, Embree's part too. Limit:\n"
         "the hierarchy of the patches with a callback that only meets the leaf's plane.");
 }

@@ -3,9 +3,10 @@
  * SPDX-License-Identifier: Apache-2.0
  *
  * A run builds the patches and their limit, which stay, and one tessellation after the other, so that only one is in
- * memory at a time. With each of them the patches and the limit trace their share of the rays again: A B C, A B D, ...
- * Whatever slows the machine down for a while slows all of them. The first run also measures the errors, and ends with
- * the first tessellation that is as exact as the patches, or with the last that fits into memory; so do the others. */
+ * memory at a time. The patches trace one half of the rays before it and the other half after it, A B A, and the limit
+ * its share of them. Whatever slows the machine down for a while slows all of them, and a ratio is one of neighbours.
+ * The first run also measures the errors, and ends with the first tessellation that is as exact as the patches, or with
+ * the last that fits into memory; so do the others. */
 #include "tools/bench.h"
 #include "tools/outline.h"
 #include "tools/progress.h"
@@ -94,7 +95,7 @@ static bool warm_up(const bench *b, bench_subject *s)
 /* What the patches or the limit have traced in a run so far. */
 typedef struct share {
     bench_timing timing[BENCH_WORKLOADS];
-    size_t blocks[BENCH_WORKLOADS];
+    size_t blocks[BENCH_WORKLOADS]; /* of the limit */
 } share;
 
 static size_t all_blocks(const bench *b, const bench_subject *s, unsigned workload, unsigned column)
@@ -113,18 +114,37 @@ static bool trace(const bench *b, const bench_subject *s, unsigned workload, uns
                             bench_trace(s->rtc, w, &b->rays, first, end - first, threads, t));
 }
 
-/* The share of the patches or the limit that goes with tessellation `grid`. */
-static bool trace_share(const bench *b, const bench_subject *s, unsigned workload, unsigned column, unsigned grid,
-                        share *to)
+/* The share of the limit that goes with tessellation `grid`. */
+static bool trace_share(const bench *b, unsigned workload, unsigned column, unsigned grid, share *to)
 {
     const size_t first = to->blocks[workload];
-    to->blocks[workload] = all_blocks(b, s, workload, column) * (grid + 1) / b->grid_count;
-    return trace(b, s, workload, column, first, to->blocks[workload], &to->timing[workload]);
+    to->blocks[workload] = all_blocks(b, &b->limit, workload, column) * (grid + 1) / b->grid_count;
+    return trace(b, &b->limit, workload, column, first, to->blocks[workload], &to->timing[workload]);
+}
+
+static double speed_of(const bench_timing *t)
+{
+    return 1e-6 * (double)t->rays / t->seconds;
 }
 
 static void add_speed(bench_subject *s, unsigned workload, unsigned column, const bench_timing *t)
 {
-    bench_add(&s->columns[column].speed[workload], 1e-6 * (double)t->rays / t->seconds);
+    bench_add(&s->columns[column].speed[workload], speed_of(t));
+}
+
+/* Tessellation `g` between the patches. */
+static bool trace_between(bench *b, bench_subject *g, unsigned workload, unsigned column, share *patches)
+{
+    const size_t blocks = all_blocks(b, &b->patches, workload, column), half = (blocks + 1) / 2;
+    bench_timing own = {0}, t = {0}, *all = &patches->timing[workload];
+    if (!trace(b, &b->patches, workload, column, 0, half, &own) ||
+        !trace(b, g, workload, column, 0, all_blocks(b, g, workload, column), &t) ||
+        !trace(b, &b->patches, workload, column, half, blocks, &own))
+        return false;
+    add_speed(g, workload, column, &t);
+    bench_add(&g->columns[column].ratio[workload], speed_of(&own) / speed_of(&t));
+    *all = (bench_timing){all->seconds + own.seconds, all->rays + own.rays, all->hits + own.hits};
+    return true;
 }
 
 static bool build_patches(bench *b, unsigned column, bool first)
@@ -171,13 +191,8 @@ static bool measure(bench *b, unsigned column, bool first, progress *p)
         done = build_grid(b, i, column, first);
         progress_add(p, g->triangles);
         for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
-            bench_timing t = {0};
-            if (is_measured(b, w)) {
-                done = trace_share(b, &b->patches, w, column, i, &patches) &&
-                       trace(b, g, w, column, 0, all_blocks(b, g, w, column), &t) &&
-                       trace_share(b, &b->limit, w, column, i, &limit);
-                if (done) add_speed(g, w, column, &t);
-            }
+            if (is_measured(b, w))
+                done = trace_between(b, g, w, column, &patches) && trace_share(b, w, column, i, &limit);
             progress_add(p, TRIANGLES_A_WORKLOAD);
         }
         world_free(g->world);
