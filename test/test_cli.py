@@ -678,6 +678,8 @@ def test_bench():
         check(m["n"] == 16 and not m["as_exact"], f"bench: matched {m}")
         for key in workloads:
             check(close([m[key]], [b["patches"]["mrays"][key] / last["mrays"][key]]), f"bench: matched {key}")
+            for t in b["tessellation"]: # of one run, the same as that of its figures but for the patches' share
+                check(.1 < t["patches_ratio"][key] * t["mrays"][key] / b["patches"]["mrays"][key] < 10, f"bench: {key} of {t}")
         for key in ("bytes", "build_seconds"):
             check(close([m[key]], [b["patches"][key] / last[key]]), f"bench: matched {key}")
 

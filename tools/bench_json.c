@@ -45,6 +45,12 @@ static json_t *speeds(const bench *b, const bench_subject *s, unsigned column, u
 
 static json_t *ratio(const bench *b, const bench_subject *s, unsigned column, unsigned w)
 {
+    return json_real(bench_median(&b->patches.columns[column].speed[w]) / bench_median(&s->columns[column].speed[w]));
+}
+
+/* The same of neighbours, as in the tables. */
+static json_t *ratio_between(const bench *b, const bench_subject *s, unsigned column, unsigned w)
+{
     (void)b;
     return json_real(bench_median(&s->columns[column].ratio[w]));
 }
@@ -89,7 +95,9 @@ static json_t *subject(const bench *b, const bench_subject *s)
                           (json_int_t)s->triangles, "bytes", (json_int_t)s->bytes, "build_seconds", bench_median(built),
                           "build_seconds_runs", runs(built), "max_position_error", s->position_error,
                           "max_normal_error_degrees", s->normal_error, "hits", by_workload(b, s, 0, hits));
-    if (!add_columns(o, b, s, true)) json_decref(o), o = NULL;
+    bool done = add_columns(o, b, s, true);
+    if (s->n) done = stats_add(o, json_pack("{s:o}", "patches_ratio", by_workload(b, s, 0, ratio_between))) && done;
+    if (!done) json_decref(o), o = NULL;
     return o;
 }
 
