@@ -280,6 +280,7 @@ static void check_single(const visit *v, const root *roots, size_t count, tally 
 /* What the tangent kernel says of any ray: each hit is a root, and all roots behind tnear are among them. */
 static void check_tangent(const visit *v, const root *roots, size_t count, tally *tally)
 {
+    const double tnear = v->ray[EP_RAY_TNEAR];
     float k[2][EP_PACKET], hits[2][5 * EP_PACKET];
     ep_roots out = {.t = {k[0], k[1]}, .hits = {hits[0], hits[1]}};
     v->kernels->tangent[v->piece.leaf->shape](v->piece.leaf, v->net, v->ray, 1, 1, &out);
@@ -291,7 +292,7 @@ static void check_tangent(const visit *v, const root *roots, size_t count, tally
             check_hit(v, k[slot][0], hits[slot], out.radius[slot][0], way_of(v), tally);
     }
     for (size_t i = 0; i < count; ++i) {
-        bool answered = !is_ahead(v, &roots[i]);
+        bool answered = roots[i].k - tnear <= 0x1p-22 * roots[i].k;
         for (unsigned slot = 0; slot < 2; ++slot) {
             if (!out.hit[slot]) continue;
             float t = k[slot][0], hit[5];
