@@ -102,6 +102,18 @@ static inline float ep_leaf_side(const ep_leaf *leaf, int triangle)
     return leaf->rim - (triangle ? 1.0f / 3 : 0.5f);
 }
 
+/* How far from the middle along s and t the prism reaches at most. */
+static inline float ep_leaf_room(const ep_leaf *leaf, int triangle)
+{
+    return (triangle ? 2 * (1.0f / 3) : 0.5f) + ep_leaf_side(leaf, triangle);
+}
+
+/* |Dr_st|, and what rounding adds to it. */
+static inline float ep_leaf_stretch(const ep_leaf *leaf)
+{
+    return (float)leaf->stretch / EP_STRETCH + leaf->noise_st;
+}
+
 /* How much farther than a foot u the model's point over it may be off, beside `foot`: 1 + k, k = |H_st| |u|, for a foot
  * that is in D give or take EP_ABOUT. A triangle's corner is where both coordinates of a foot are farthest out. */
 static inline float ep_leaf_from_foot(const ep_leaf *leaf, int triangle)

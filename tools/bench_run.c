@@ -92,10 +92,10 @@ static bool warm_up(const bench *b, bench_subject *s)
     return true;
 }
 
-/* What the patches or the limit have traced in a run so far. */
+/* What the limit has traced in a run so far. */
 typedef struct share {
     bench_timing timing[BENCH_WORKLOADS];
-    size_t blocks[BENCH_WORKLOADS]; /* of the limit */
+    size_t blocks[BENCH_WORKLOADS];
 } share;
 
 static size_t all_blocks(const bench *b, const bench_subject *s, unsigned workload, unsigned column)
@@ -132,18 +132,19 @@ static void add_speed(bench_subject *s, unsigned workload, unsigned column, cons
     bench_add(&s->columns[column].speed[workload], speed_of(t));
 }
 
-/* Tessellation `g` between the patches. */
-static bool trace_between(bench *b, bench_subject *g, unsigned workload, unsigned column, share *patches)
+/* Tessellation `g` between the patches; what these do is added to *patches. */
+static bool trace_between(bench *b, bench_subject *g, unsigned workload, unsigned column, bench_timing *patches)
 {
     const size_t blocks = all_blocks(b, &b->patches, workload, column), half = (blocks + 1) / 2;
-    bench_timing own = {0}, t = {0}, *all = &patches->timing[workload];
+    bench_timing own = {0}, t = {0};
     if (!trace(b, &b->patches, workload, column, 0, half, &own) ||
         !trace(b, g, workload, column, 0, all_blocks(b, g, workload, column), &t) ||
         !trace(b, &b->patches, workload, column, half, blocks, &own))
         return false;
     add_speed(g, workload, column, &t);
     bench_add(&g->columns[column].ratio[workload], speed_of(&own) / speed_of(&t));
-    *all = (bench_timing){all->seconds + own.seconds, all->rays + own.rays, all->hits + own.hits};
+    patches->seconds += own.seconds;
+    patches->rays += own.rays;
     return true;
 }
 
@@ -184,7 +185,8 @@ static size_t effort(const bench *b, unsigned grid)
 
 static bool measure(bench *b, unsigned column, bool first, progress *p)
 {
-    share patches = {0}, limit = {0};
+    bench_timing patches[BENCH_WORKLOADS] = {0};
+    share limit = {0};
     bool done = build_patches(b, column, first);
     for (unsigned i = 0; i < b->grid_count && done; ++i) {
         bench_subject *g = &b->grids[i];
@@ -192,7 +194,7 @@ static bool measure(bench *b, unsigned column, bool first, progress *p)
         progress_add(p, g->triangles);
         for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
             if (is_measured(b, w))
-                done = trace_between(b, g, w, column, &patches) && trace_share(b, w, column, i, &limit);
+                done = trace_between(b, g, w, column, &patches[w]) && trace_share(b, w, column, i, &limit);
             progress_add(p, TRIANGLES_A_WORKLOAD);
         }
         world_free(g->world);
@@ -200,7 +202,7 @@ static bool measure(bench *b, unsigned column, bool first, progress *p)
     }
     for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
         if (!is_measured(b, w)) continue;
-        add_speed(&b->patches, w, column, &patches.timing[w]);
+        add_speed(&b->patches, w, column, &patches[w]);
         add_speed(&b->limit, w, column, &limit.timing[w]);
     }
     return done;

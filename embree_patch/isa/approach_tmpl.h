@@ -57,7 +57,7 @@ EP_INLINE void w_terms(const ep_leaf *leaf, const w_f x[3], w_f sum[3])
  */
 EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r, w_m active, w_way *way)
 {
-    const float extent = fmaxf((triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle), leaf->height);
+    const float extent = fmaxf(ep_leaf_room(leaf, triangle), leaf->height);
     const w_f one = w_set(1.0f);
     const w_3 far = w_origin(leaf, r);
     w_3 d = w_to_leaf(leaf, r->dir);

@@ -28,7 +28,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
                        unsigned count, const float *from, const float *to, ep_cells *out, int triangle, unsigned m,
                        unsigned n, int rational)
 {
-    const float stretch = (float)leaf->stretch / EP_STRETCH + leaf->noise_st;
+    const float stretch = ep_leaf_stretch(leaf);
     const w_f one = w_set(1.0f), half = w_set(0.5f);
     out->hit = out->vague = out->more = out->open = out->hopeless = 0;
     for (unsigned first = 0, base = 0; first < count; first += EP_CELL_RAYS, base += EP_LANES) {

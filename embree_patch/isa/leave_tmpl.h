@@ -28,7 +28,7 @@
 /* How far apart points of the leaf are when their feet are one apart; infinite where the parametrisation may fold. */
 static inline float ep_leaf_apart(const ep_leaf *leaf)
 {
-    const float left = 1 - ((float)leaf->stretch / EP_STRETCH + leaf->noise_st);
+    const float left = 1 - ep_leaf_stretch(leaf);
     return left > 0 ? EP_OUTWARD / left : INFINITY;
 }
 
@@ -45,7 +45,7 @@ EP_INLINE w_m w_leaves(const ep_leaf *leaf, const float *net, w_3 p, w_3 d, w_f 
                        unsigned n, int rational)
 {
     const w_f zero = w_set(0.0f), outward = w_set(EP_OUTWARD), graph = w_set(leaf->graph * EP_OUTWARD);
-    const w_f room = w_set((triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle));
+    const w_f room = w_set(ep_leaf_room(leaf, triangle));
     const w_f level = w_max(w_abs(d.x), w_abs(d.y)), size = w_max(level, w_abs(d.z));
     const w_f per = w_set(2 * leaf->reach) * d_sum; /* what a direction is right to */
 
@@ -73,8 +73,8 @@ EP_INLINE w_m w_leaves(const ep_leaf *leaf, const float *net, w_3 p, w_3 d, w_f 
 
     /* the plane that touches it */
     const w_surface j = w_surface_at(net, &v, triangle, m, n, rational);
-    const w_f n_s = w_fnma(j.ds.z, j.dt.y, j.ds.y * j.dt.z), n_t = w_fnma(j.ds.x, j.dt.z, j.ds.z * j.dt.x);
-    const w_f n_h = w_fnma(j.ds.y, j.dt.x, j.ds.x * j.dt.y), n_st = w_abs(n_s) + w_abs(n_t);
+    const w_3 normal = w_cross(j.ds, j.dt);
+    const w_f n_s = normal.x, n_t = normal.y, n_h = normal.z, n_st = w_abs(n_s) + w_abs(n_t);
     const w_f f = w_fma(n_s, j.at.x, w_fma(n_t, j.at.y, n_h * j.at.z)), gap = w_select(down, f, -f);
     const w_f up = w_fma(n_s, d.x, w_fma(n_t, d.y, n_h * d.z)), rise = w_fnma(n_h + n_st, per, w_select(down, -up, up));
     const w_f bend = w_fma(n_h, w_set(0.5f * leaf->bend_h), n_st * w_set(0.5f * leaf->bend_st));
@@ -100,7 +100,7 @@ EP_INLINE bool f4_leaves(const ep_leaf *leaf, const float *net, f4 p, f4 d, floa
                          unsigned n, int rational)
 {
     const float graph = leaf->graph * EP_OUTWARD;
-    const float room = (triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle);
+    const float room = ep_leaf_room(leaf, triangle);
     const float level = f4_norm(d), size = f1_max(level, f1_abs(d[2])), per = (2 * leaf->reach) * d_sum;
 
     const f4 ss = f4_load(leaf->half[0]), st = f4_load(leaf->half[1]), tt = f4_load(leaf->half[2]);
@@ -120,7 +120,7 @@ EP_INLINE bool f4_leaves(const ep_leaf *leaf, const float *net, f4 p, f4 d, floa
         return false;
 
     const f4_jet j = f4_surface_at(net, y, p, triangle, m, n, rational);
-    const f4 normal = f4_next(f4_fnma(f4_next(j.s), j.t, j.s * f4_next(j.t)));
+    const f4 normal = f4_cross(j.s, j.t);
     const float n_s = normal[0], n_t = normal[1], n_h = normal[2], n_st = f1_abs(n_s) + f1_abs(n_t);
     const float f = f1_fma(n_s, j.f[0], f1_fma(n_t, j.f[1], n_h * j.f[2])), gap = down ? f : -f;
     const float up = f1_fma(n_s, d[0], f1_fma(n_t, d[1], n_h * d[2])),

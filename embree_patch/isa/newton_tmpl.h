@@ -39,6 +39,11 @@ typedef struct w_3 {
     w_f x, y, z;
 } w_3;
 
+EP_INLINE w_3 w_cross(w_3 a, w_3 b)
+{
+    return (w_3){w_fnma(a.z, b.y, a.y * b.z), w_fnma(a.x, b.z, a.z * b.x), w_fnma(a.y, b.x, a.x * b.y)};
+}
+
 /* What is known of a ray once it has entered a leaf. */
 typedef struct w_visit {
     w_f p_s, p_t, p_max;   /* leaf.h: motion along the leaf per unit of height, and the larger */
@@ -325,8 +330,7 @@ EP_INLINE void w_normal(const ep_leaf *leaf, const w_surface *j, const w_step *r
                    w_fma(j->tt.y, twice_t, w_fma(j->st.y, r->step_s, j->dt.y)),
                    w_fma(j->tt.z, twice_t, w_fma(j->st.z, r->step_s, j->dt.z))};
     const w_f volume = w_set(leaf->volume);
-    const w_3 n = {volume * w_fnma(a.z, b.y, a.y * b.z), volume * w_fnma(a.x, b.z, a.z * b.x),
-                   volume * w_fnma(a.y, b.x, a.x * b.y)};
+    const w_3 cross = w_cross(a, b), n = {volume * cross.x, volume * cross.y, volume * cross.z};
     for (int c = 0; c < 3; ++c)
         ng[c] =
             w_fma(w_set(leaf->frame[c][2]), n.z, w_fma(w_set(leaf->frame[c][1]), n.y, w_set(leaf->frame[c][0]) * n.x));

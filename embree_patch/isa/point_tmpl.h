@@ -43,6 +43,11 @@ EP_INLINE f4 f4_to_leaf(const f4 *frame, f4 x)
     return f4_fma(frame[2], f4_lane(x, 2), f4_fma(frame[1], f4_lane(x, 1), frame[0] * f4_lane(x, 0)));
 }
 
+EP_INLINE f4 f4_cross(f4 a, f4 b)
+{
+    return f4_next(f4_fnma(f4_next(a), b, a * f4_next(b)));
+}
+
 EP_INLINE f4 f4_clamp(int triangle, f4 x)
 {
     const f4 low = f4_set(triangle ? -EP_THIRD : -EP_HALF), high = f4_set(triangle ? 2 * EP_THIRD : EP_HALF);

@@ -10,7 +10,7 @@
 /* Ng, u and v at x, `a` and `b` being the tangents there. */
 EP_INLINE void f4_put_hit(const ep_leaf *leaf, int triangle, f4 x, f4 a, f4 b, float *hit)
 {
-    const f4 n = f4_set(leaf->volume) * f4_next(f4_fnma(f4_next(a), b, a * f4_next(b)));
+    const f4 n = f4_set(leaf->volume) * f4_cross(a, b);
     const float *f = leaf->frame[0], n_s = n[0], n_t = n[1], n_h = n[2];
     const float x_ng = f1_fma(f[2], n_h, f1_fma(f[1], n_t, f[0] * n_s));
     const float y_ng = f1_fma(f[5], n_h, f1_fma(f[4], n_t, f[3] * n_s));
@@ -39,7 +39,7 @@ static __attribute__((noinline)) f1_answer f1_near_root(const ep_leaf *leaf, con
                                                         f4 plane, float inverse, float moved, float tnear, float *tau,
                                                         float *delta)
 {
-    const float room = (triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle);
+    const float room = ep_leaf_room(leaf, triangle);
     const float four = 4.0f * g->c2, width = f1_abs(four) * g->p, d = f1_fma(-four, g->c0, g->c1 * g->c1);
     const float twice = g->c2 + g->c2, size = f1_abs(twice), far = f1_abs(g->c1);
     if (d + width < 0) return F1_NONE;

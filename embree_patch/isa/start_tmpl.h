@@ -45,7 +45,7 @@ EP_INLINE void w_equation(const ep_leaf *leaf, const w_visit *v, const w_forms *
 EP_INLINE w_graph w_meet_graph(const ep_leaf *leaf, const w_visit *v, int triangle, w_f e_st, w_f e_h, w_f high)
 {
     w_graph g;
-    const float reach = (triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle);
+    const float reach = ep_leaf_room(leaf, triangle);
     w_forms f;
     w_forms_of(leaf, v, 2, &f);
     w_equation(leaf, v, &f, &g.c0, &g.c1, &g.c2);
@@ -60,8 +60,8 @@ EP_INLINE w_graph w_meet_graph(const ep_leaf *leaf, const w_visit *v, int triang
     return g;
 }
 
-/* The point x = u - H_st u²/2 over a foot that is in D give or take `about`, be that more than EP_ABOUT: returns how far
- * x may be off, as ep_leaf_from_foot. */
+/* The point x = u - H_st u²/2 over a foot that is in D give or take `about`, be that more than EP_ABOUT: returns how
+ * far x may be off, as ep_leaf_from_foot. */
 EP_INLINE w_f w_above(const ep_leaf *leaf, int triangle, w_f u_s, w_f u_t, w_f about, w_f x[2])
 {
     const w_f u[2] = {u_s, u_t};
@@ -100,8 +100,7 @@ EP_INLINE w_root w_near_root(const ep_leaf *leaf, const w_visit *v, const w_grap
     r.tau = (w_select(falls, twice_c0, -twice_c0) * root) * inverse;
     /* the other is at tau_2 = q_2 / (2 c2) */
     const w_f twice = g->c2 + g->c2, size = w_abs(twice), within = g->high + r.delta;
-    const w_f q_2 = w_select(falls, q, -q),
-              room = w_set((triangle ? 2 * EP_THIRD : EP_HALF) + ep_leaf_side(leaf, triangle));
+    const w_f q_2 = w_select(falls, q, -q), room = w_set(ep_leaf_room(leaf, triangle));
     const w_f about = w_fma(v->p_max, r.delta, g->e_st);
     const w_f u_2 = w_max(w_abs(w_fma(v->p_s, q_2, v->s * twice)), w_abs(w_fma(v->p_t, q_2, v->t * twice)));
     const w_f t_2 = w_select(w_lt(twice, zero), -q_2, q_2) * v->inverse; /* from the plane, times |2 c2| */
