@@ -9,6 +9,11 @@
 
 #include <string.h>
 
+static double largest(ep_vec3 a)
+{
+    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+}
+
 /* Sum of |coefficient c| times its monomial's maximum. */
 static double magnitude(const ep_fit *f, const ep_point *net, unsigned m, unsigned n, int c)
 {
@@ -17,6 +22,19 @@ static double magnitude(const ep_fit *f, const ep_point *net, unsigned m, unsign
         for (unsigned i = 0; i <= m; ++i) {
             const size_t at = f->kind->index(m, n, i, j);
             if (at != SIZE_MAX) sum += fabs(net[at][c]) * ep_monomial(f, i, j);
+        }
+    return sum;
+}
+
+/* What Horner's scheme with fused multiply-adds may be off by, in eps: (i, j) is rounded as a coefficient, where it is
+ * added, i times more in s, then where its row is added, j times more in t. */
+static double horner(const ep_fit *f, const ep_point *net, unsigned m, unsigned n, int c)
+{
+    double sum = 0;
+    for (unsigned j = 0; j <= n; ++j)
+        for (unsigned i = 0; i <= m; ++i) {
+            const size_t at = f->kind->index(m, n, i, j);
+            if (at != SIZE_MAX) sum += (i + j + 3) * fabs(net[at][c]) * ep_monomial(f, i, j);
         }
     return sum;
 }
@@ -132,38 +150,39 @@ static void model(ep_fit *f, double lost)
 
 /* Rounding of F in leaf coordinates; eps = 2^-24.
  *
- * A Horner scheme of degree (m, n) with coefficients rounded once errs by at most (2m + 2n + 3) eps times the sum of
- * the terms' magnitudes; a quotient adds the same for its denominator, times the value, which is at most one, and two.
- * The moved origin is right to 2 eps of itself and no farther than 3/2 of the piece's sides; M adds 3 eps of
- * the terms that it adds up. Adding x - M(o') and r takes 2 eps of two at most, each. */
+ * The series errs by `horner`; a quotient adds the same for its denominator, times the value, which is at most one, and
+ * two. The moved origin is right to 2 eps of itself, and M adds 3 eps of the terms that it adds up: 5 eps of those of the
+ * hit, which is in the prism, and of the way from the one to the other, which is on the ray's account below. Adding x -
+ * M(o') and r takes 2 eps of two at most, each. */
 static void rounding(ep_fit *f, double lost)
 {
     const ep_patch *p = f->patch;
     ep_leaf *leaf = &f->leaf;
-    const unsigned m = leaf->degree_s, n = leaf->degree_t;
-    const double horner = (2.0 * (m + n) + 3) * EP_EPS_F;
-    double error[3], moved[3], total[3];
+    double error[3], moved[3], origin[3], total[3];
     for (int c = 0; c < 3; ++c) {
         if (leaf->rational)
-            error[c] = horner * (magnitude(f, f->series, f->m, f->n, c) + magnitude(f, f->series, f->m, f->n, 3)) /
-                           f->weight_low +
-                       2 * EP_EPS_F;
-        else error[c] = horner * magnitude(f, f->rest, ep_rest_m(f), ep_rest_n(f), c);
+            error[c] = (horner(f, f->series, f->m, f->n, c) + horner(f, f->series, f->m, f->n, 3)) / f->weight_low + 2;
+        else error[c] = horner(f, f->rest, ep_rest_m(f), ep_rest_n(f), c);
+        error[c] *= EP_EPS_F;
     }
-    const double *a = &f->column[0].x, *b = &f->column[1].x;
-    for (int k = 0; k < 3; ++k) moved[k] = 1.5 * (fabs(a[k]) + fabs(b[k]));
+    const double *a = &f->column[0].x, *b = &f->column[1].x, *h = &f->column[2].x;
+    const double span = (f->kind == &ep_kinds[EP_KIND_TRIANGLE] ? 2 : 1) * (f->kind->middle + f->side);
+    for (int k = 0; k < 3; ++k) moved[k] = span * (fabs(a[k]) + fabs(b[k])) + leaf->height * fabs(h[k]);
     /* the series was computed in double from points of the size of the patch, anywhere in space */
     const double far = fabs(p->centre[0]) + fabs(p->centre[1]) + fabs(p->centre[2]);
     const double made = 16 * EP_EPS_D * far + f->loss * p->radius;
     for (int c = 0; c < 3; ++c) {
         const double row[3] = {fabs(f->row[c].x), fabs(f->row[c].y), fabs(f->row[c].z)};
         const double frame_sum = row[0] * moved[0] + row[1] * moved[1] + row[2] * moved[2];
-        total[c] = error[c] + lost + 5 * EP_EPS_F * frame_sum + ep_norm1(f->row[c]) * made;
+        origin[c] = 5 * EP_EPS_F * frame_sum;
+        total[c] = error[c] + lost + origin[c] + ep_norm1(f->row[c]) * made;
         if (c < 2) total[c] += 4 * EP_EPS_F;
         total[c] *= 1 + 0x1p-10;
     }
-    f->error = (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) * fmax(total[0], total[1]) +
-               ep_norm1(f->column[2]) * total[2];
+    /* a hit's, whose ray may come from as far beside the leaf as that is long */
+    f->error = (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) *
+                   fmax(total[0] + 2 * origin[0], total[1] + 2 * origin[1]) +
+               ep_norm1(f->column[2]) * (total[2] + 2 * origin[2]);
     leaf->noise_st = ep_round_up(fmax(total[0], total[1]));
     leaf->noise_h = ep_round_up(total[2]);
 }
@@ -175,7 +194,9 @@ static void rounding(ep_fit *f, double lost)
  * graph's equation.
  *
  * Through the prism a ray goes no farther than (height + reach far) (|p| C_st + C_h), C being what leaf coordinates are
- * in space, and F's noise grows by 12 eps of that.
+ * in space. Its direction in leaf coordinates is right to 3 eps of its terms and p to 2 more, and the moved origin to 5
+ * eps of what it is beside the hit: F's noise grows by 10 eps of that way. All lengths are sum norms, of which a row of M
+ * makes no more than its largest entry.
  *
  * The plane's point and the way p tau are no longer than `along`. c0, c1 tau and c2 tau² of the graph's equation are
  * right to a few roundings of terms below bend_h along² and 2 high; convex in reach far, so below a straight line. The
@@ -195,8 +216,7 @@ static void allow_for_rays(ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
     const bool triangle = f->kind == &ep_kinds[EP_KIND_TRIANGLE];
-    const double st = fmax(ep_norm1(f->row[0]), ep_norm1(f->row[1]));
-    const double per = 12 * EP_EPS_F * fmax(st, ep_norm1(f->row[2]));
+    const double per = 12 * EP_EPS_F * fmax(largest(f->row[0]), fmax(largest(f->row[1]), largest(f->row[2])));
     const double way = EP_STEEP * (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) + ep_norm1(f->column[2]);
     const double noise = 2 * per * leaf->height * way;
     const double noise_st = leaf->noise_st + noise, noise_h = leaf->noise_h + noise;

@@ -455,21 +455,39 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
 enum { POLISH_STEPS = 4 };
 static const double last_term = 0x1p-26, last_step = 0x1p-16;
 
-/* r + pu du + pv dv = d dk, by Cramer's rule; n = pu x pv. */
+/* r + pu du + pv dv = d dk by Cramer's rule: with n = pu x pv, dk is n r / n d, and what is left of r, l = d dk - r, lies
+ * in the plane of pu and pv, where l by_u is du and l by_v is dv. */
+typedef struct tangents {
+    ep_vec3 n, by_u, by_v;
+    double inverse; /* 1 / n d */
+} tangents;
+
 typedef struct polish_step {
     double du, dv, dk;
 } polish_step;
 
-static polish_step solve_step(const ep_frame *f, ep_vec3 n, ep_vec3 d, ep_vec3 r)
+static tangents tangents_of(const ep_frame *f, ep_vec3 d)
 {
-    const double dk = ep_dot(n, r) / ep_dot(n, d), nn = ep_dot(n, n);
+    const ep_vec3 n = ep_cross(f->pu, f->pv);
+    const double over = 1 / ep_dot(n, n);
+    return (tangents){n, ep_scale(over, ep_cross(f->pv, n)), ep_scale(over, ep_cross(n, f->pu)), 1 / ep_dot(n, d)};
+}
+
+static polish_step solve_step(const tangents *p, ep_vec3 d, ep_vec3 r)
+{
+    const double dk = ep_dot(p->n, r) * p->inverse;
     const ep_vec3 left = ep_sub(ep_scale(dk, d), r);
-    return (polish_step){ep_dot(ep_cross(left, f->pv), n) / nn, ep_dot(ep_cross(f->pu, left), n) / nn, dk};
+    return (polish_step){ep_dot(left, p->by_u), ep_dot(left, p->by_v), dk};
 }
 
 static ep_vec3 combine(double a, ep_vec3 x, double b, ep_vec3 y)
 {
     return ep_add(ep_scale(a, x), ep_scale(b, y));
+}
+
+static bool within(double a, double b, double limit)
+{
+    return fabs(a) <= limit && fabs(b) <= limit;
 }
 
 ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5],
@@ -487,16 +505,16 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
         ep_jet jet;
         ep_kinds[patch->kind].eval(local, patch->degree_u, patch->degree_v, u, v, &jet);
         const ep_frame f = ep_project(&jet);
-        n = ep_cross(f.pu, f.pv);
-        const polish_step a = solve_step(&f, n, l.d, ep_sub(f.p, ep_add(l.o, ep_scale(k, l.d))));
+        const tangents p = tangents_of(&f, l.d);
+        const polish_step a = solve_step(&p, l.d, ep_sub(f.p, ep_add(l.o, ep_scale(k, l.d))));
         const ep_vec3 turn_u = combine(a.du, f.puu, a.dv, f.puv), turn_v = combine(a.du, f.puv, a.dv, f.pvv);
-        const polish_step b = solve_step(&f, n, l.d, combine(0.5 * a.du, turn_u, 0.5 * a.dv, turn_v));
+        const polish_step b = solve_step(&p, l.d, combine(0.5 * a.du, turn_u, 0.5 * a.dv, turn_v));
         u += a.du + b.du;
         v += a.dv + b.dv;
         k += a.dk + b.dk;
         n = ep_cross(ep_add(f.pu, turn_u), ep_add(f.pv, turn_v));
-        done = fmax(fabs(b.du), fabs(b.dv)) <= last_term && fmax(fabs(a.du), fabs(a.dv)) <= last_step;
-        if (!(fabs(u - field[3]) <= 0x1p-8 && fabs(v - field[4]) <= 0x1p-8)) return EP_POLISHED_LOST;
+        done = within(b.du, b.dv, last_term) && within(a.du, a.dv, last_step);
+        if (!within(u - field[3], v - field[4], 0x1p-8)) return EP_POLISHED_LOST;
     }
     if (!done) return EP_POLISHED_LOST; /* a double root, nearly */
     *t = (float)(l.t0 + k);

@@ -57,7 +57,7 @@ EP_INLINE void w_terms(const ep_leaf *leaf, const w_f x[3], w_f sum[3])
  */
 EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r, w_m active, w_way *way)
 {
-    const float extent = fmaxf(ep_leaf_room(leaf, triangle), leaf->height);
+    const float room = ep_leaf_room(leaf, triangle), extent = room > leaf->height ? room : leaf->height;
     const w_f one = w_set(1.0f);
     const w_3 far = w_origin(leaf, r);
     w_3 d = w_to_leaf(leaf, r->dir);
@@ -70,11 +70,11 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     v.o = w_move(leaf, r, v.moved);
     const w_f o = w_max(w_max(w_abs(v.o.x), w_abs(v.o.y)), w_abs(v.o.z)), reach = w_set(extent) + o;
     const w_f limit = w_set(1.0625f) * reach * over;
-    /* What rounding adds to a unit of way: 3 eps of the terms of d, and two of what is along the leaf in p. The leaf's
-     * noise is that of the origin near the leaf; 5 eps more for each unit that `moved` has missed that by. */
+    /* What rounding adds to a unit of way: 3 eps of the terms of d, two of what is along the leaf in p, and 5 for the
+     * moved origin, which is on the way; the leaf's noise takes it for the hit. */
     w_f terms[3];
     w_terms(leaf, r->dir, terms);
-    const w_f per_st = w_set(0x1p-21f) * w_max(terms[0], terms[1]), per_h = w_set(5 * 0x1p-24f) * terms[2];
+    const w_f per_st = w_set(10 * 0x1p-24f) * w_max(terms[0], terms[1]), per_h = w_set(0x1p-21f) * terms[2];
     w_f low[3];
     for (int c = 0; c < 3; ++c)
         low[c] = w_set(0x1p-23f) * w_fma(w_set(0x1p-24f), w_abs(r->o[c]), w_set(fabsf(leaf->centre_low[c])));
