@@ -151,9 +151,9 @@ static void model(ep_fit *f, double lost)
 /* Rounding of F in leaf coordinates; eps = 2^-24.
  *
  * The series errs by `horner`; a quotient adds the same for its denominator, times the value, which is at most one, and
- * two. The moved origin is right to 2 eps of itself, and M adds 3 eps of the terms that it adds up: 5 eps of those of the
- * hit, which is in the prism, and of the way from the one to the other, which is on the ray's account below. Adding x -
- * M(o') and r takes 2 eps of two at most, each. */
+ * two. The moved origin is right to 2 eps of itself, and M adds 3 eps of the terms that it adds up: 5 eps of those of
+ * the hit, which is in the prism, and of the way from the one to the other, which is on the ray's account below. Adding
+ * x - M(o') and r takes 2 eps of two at most, each. */
 static void rounding(ep_fit *f, double lost)
 {
     const ep_patch *p = f->patch;
@@ -180,9 +180,9 @@ static void rounding(ep_fit *f, double lost)
         total[c] *= 1 + 0x1p-10;
     }
     /* a hit's, whose ray may come from as far beside the leaf as that is long */
-    f->error = (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) *
-                   fmax(total[0] + 2 * origin[0], total[1] + 2 * origin[1]) +
-               ep_norm1(f->column[2]) * (total[2] + 2 * origin[2]);
+    f->error =
+        (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) * fmax(total[0] + 2 * origin[0], total[1] + 2 * origin[1]) +
+        ep_norm1(f->column[2]) * (total[2] + 2 * origin[2]);
     leaf->noise_st = ep_round_up(fmax(total[0], total[1]));
     leaf->noise_h = ep_round_up(total[2]);
 }
@@ -195,8 +195,8 @@ static void rounding(ep_fit *f, double lost)
  *
  * Through the prism a ray goes no farther than (height + reach far) (|p| C_st + C_h), C being what leaf coordinates are
  * in space. Its direction in leaf coordinates is right to 3 eps of its terms and p to 2 more, and the moved origin to 5
- * eps of what it is beside the hit: F's noise grows by 10 eps of that way. All lengths are sum norms, of which a row of M
- * makes no more than its largest entry.
+ * eps of what it is beside the hit: F's noise grows by 10 eps of that way. All lengths are sum norms, of which a row of
+ * M makes no more than its largest entry.
  *
  * The plane's point and the way p tau are no longer than `along`. c0, c1 tau and c2 tau² of the graph's equation are
  * right to a few roundings of terms below bend_h along² and 2 high; convex in reach far, so below a straight line. The

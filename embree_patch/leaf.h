@@ -28,8 +28,10 @@
  *
  *   (1) All roots in Q are within b = G e²/2 of c (or b' of c', below), with e the radius of Q about y. If c is farther
  *       than that outside D there is none. Otherwise b is the radius of a new, smaller Q about c.
- *   (2) If G e <= 1, DF = J (I + E) with |E| < 1 throughout Q: F is injective there, the root is unique, and
- *       |x* - y| <= |c - y| + G e |x* - y| / 2 gives |x* - y| <= (1 + G e) |c - y|, usually much less than e.
+ *   (2) With w = |c - y| and a = G w <= 3/8, |x* - y| <= w + G |x* - y|²/2 holds up to the equation's lesser root, at
+ *       most w (1 + 8/9 a), and again from the greater on, at least (2 - 4/3 a) / G. If e is no more than that,
+ *       |x* - y| <= w (1 + 8/9 a), usually much less than e; and as G times that is at most 1/2, DF = J (I + E) with
+ *       |E| < 1 there: F is injective, the root is unique.
  *   (3) When b falls below the rounding error of F, c is the root.
  *
  * The first y need not be x0. Seen from its plane the leaf is a graph, its height over its feet x + r_st(x), and a ray

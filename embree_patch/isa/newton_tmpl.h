@@ -24,6 +24,12 @@
 #define EP_FLAT 0x1p-16f
 #define EP_SHARP 0x1p-18f
 
+/* Conclusion (2): a, how far e may go at a = 0 and how much less for larger a, and how much |x* - y| grows by. */
+#define EP_STEPS 0.375f
+#define EP_TURNS 2.0f
+#define EP_TURNS_LESS (4.0f / 3 * (1 + 0x1p-20f))
+#define EP_GROWS (8.0f / 9 * (1 + 0x1p-20f))
+
 /* Rounding of second derivatives, in bend: Horner's scheme of the highest degree errs by 103 eps of its terms. */
 #define EP_CURVE 0x1p-17f
 
@@ -255,10 +261,11 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
     const w_bounds b = grazing ? w_bounds_grazing(leaf, v, &l) : w_bounds_of(leaf, v, &l);
     const w_f bend = b.bend, twist = b.twist, noise = b.noise;
     const w_f length = w_max(w_abs(l.c_s), w_abs(l.c_t));
-    const w_f way = length + noise, turn = bend * v->radius;
-    const w_m unique = w_le(turn, one);
+    const w_f way = length + noise, turn = bend * v->radius, steps = bend * way;
+    const w_m unique =
+        w_and(w_le(steps, w_set(EP_STEPS)), w_le(w_fma(w_set(EP_TURNS_LESS), steps, turn), w_set(EP_TURNS)));
     /* never below the noise, so that G n <= G e */
-    const w_f e = w_select(unique, w_fma(turn, way, way), v->radius + noise), ge = bend * e;
+    const w_f e = w_select(unique, w_fma(w_set(EP_GROWS) * steps, way, way), v->radius + noise), ge = bend * e;
     const w_f third = w_fma(w_set(0.25f), ge, one),
               bound = (half * e) * e * w_fma(twist, e, bend * w_fma(ge, third, w_set(EP_CURVE)));
     const w_f displaced = w_fma(ge, w_fma(half, ge, w_set(1.5f)), one) * noise;

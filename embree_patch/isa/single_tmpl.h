@@ -153,9 +153,9 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
         const f4 over = f4_abs(f4_lane(l.inverse, 0));
         const f4 bounds = f4_fma(f4_set(q), f4_load(&leaf->bend_h), f4_set(i) * f4_load(&leaf->bend_st)) * over;
         const float bend = bounds[0], noise = f1_fma((i + q) * more, over[0], bounds[1]), twist = bounds[2];
-        const float length = f4_norm(c), around = length + noise, turn = bend * radius;
-        const bool unique = !EP_SELDOM(!(turn <= 1.0f));
-        const float e = unique ? f1_fma(turn, around, around) : radius + noise, ge = bend * e;
+        const float length = f4_norm(c), around = length + noise, turn = bend * radius, steps = bend * around;
+        const bool unique = !EP_SELDOM(!(steps <= EP_STEPS && f1_fma(EP_TURNS_LESS, steps, turn) <= EP_TURNS));
+        const float e = unique ? f1_fma(EP_GROWS * steps, around, around) : radius + noise, ge = bend * e;
         const float third = f1_fma(0.25f, ge, 1.0f),
                     bound = (0.5f * e) * e * f1_fma(twist, e, bend * f1_fma(ge, third, EP_CURVE));
         const float margin = f1_fma(ge, f1_fma(0.5f, ge, 1.5f), 1.0f) * noise + bound;
