@@ -40,7 +40,7 @@ typedef ep_outcome ep_single_kernel(const ep_leaf *leaf, const float *net, const
 typedef struct ep_roots {
     float *t[2], *hits[2];      /* where they go; lanes and fields as in a packet             */
     float radius[2][EP_PACKET]; /* how accurate they are, in leaf coordinates                 */
-    uint32_t hit[2];            /* near (tnear, tfar]                                         */
+    uint32_t hit[2];            /* near (tnear, inf)                                          */
     uint32_t vague[2];          /* those that ep_polish has to find again                     */
     uint32_t open;              /* undecided: look closer, whatever was found                 */
 } ep_roots;

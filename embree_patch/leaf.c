@@ -385,7 +385,8 @@ void ep_leaf_box(const ep_fit *f, const ep_domain *d, double lower[3], double up
     for (int k = 0; k < 3; ++k) {
         const double a[2] = {(&f->column[0].x)[k], (&f->column[1].x)[k]}, none[2] = {0, 0};
         const double r[4] = {a[0], a[1], (&f->column[2].x)[k], 0};
-        const ep_range x = widen(linear_range(f, a, r), ep_mag(linear_range(f, none, r)) * f->weight_off);
+        const ep_range x = widen(linear_range(f, a, r), ep_mag(linear_range(f, none, r)) * f->weight_off +
+                                                            (double)EP_SHARP * (fabs(a[0]) + fabs(a[1])));
         const double centre = (double)f->leaf.centre[k] + f->leaf.centre_low[k];
         lower[k] = fmax(lower[k], centre + x.lo);
         upper[k] = fmin(upper[k], centre + x.hi);

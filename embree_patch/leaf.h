@@ -98,6 +98,11 @@ static inline unsigned ep_leaf_stride(const ep_leaf *leaf)
 #define EP_ASTRAY 0x1p-2f
 #define EP_ABOUT 0x1p-3f
 
+/* A root that may be farther than this on either side of the leaf's border, in leaf coordinates, is found again in
+ * double. If it then is farther outside it is the neighbour's alone: what is found must not depend on which leaves were
+ * met. Others are in the boxes of both. */
+#define EP_SHARP 0x1p-18f
+
 /* How far the prism reaches beyond the domain. */
 static inline float ep_leaf_side(const ep_leaf *leaf, int triangle)
 {

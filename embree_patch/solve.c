@@ -455,8 +455,8 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
 enum { POLISH_STEPS = 4 };
 static const double last_term = 0x1p-26, last_step = 0x1p-16;
 
-/* r + pu du + pv dv = d dk by Cramer's rule: with n = pu x pv, dk is n r / n d, and what is left of r, l = d dk - r, lies
- * in the plane of pu and pv, where l by_u is du and l by_v is dv. */
+/* r + pu du + pv dv = d dk by Cramer's rule: with n = pu x pv, dk is n r / n d, and what is left of r, l = d dk - r,
+ * lies in the plane of pu and pv, where l by_u is du and l by_v is dv. */
 typedef struct tangents {
     ep_vec3 n, by_u, by_v;
     double inverse; /* 1 / n d */
@@ -490,8 +490,17 @@ static bool within(double a, double b, double limit)
     return fabs(a) <= limit && fabs(b) <= limit;
 }
 
-ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5],
-                      double exact[2])
+/* Corners of leaves are rounded to floats. */
+static bool is_beside(const ep_leaf *leaf, bool triangle, double u, double v)
+{
+    const ep_domain d = leaf_domain(leaf);
+    const double over = 1 / (d.uu * d.vv - d.uv * d.vu), x = u - d.u0, y = v - d.v0;
+    const double rounding = 0x1p-23 * (fabs(d.uu) + fabs(d.uv) + fabs(d.vu) + fabs(d.vv)) * fabs(over);
+    return outside(triangle, (x * d.vv - y * d.uv) * over, (y * d.uu - x * d.vu) * over) > (double)EP_SHARP + rounding;
+}
+
+ep_polished ep_polish(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], float *t,
+                      float field[5], double exact[2])
 {
     line l;
     if (!make_line(patch, org, dir, &l)) return EP_POLISHED_LOST;
@@ -519,7 +528,7 @@ ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir
     if (!done) return EP_POLISHED_LOST; /* a double root, nearly */
     *t = (float)(l.t0 + k);
     exact[0] = u, exact[1] = v;
-    if (outside(triangle, u, v) > EP_BORDER) return EP_POLISHED_AWAY;
+    if (outside(triangle, u, v) > EP_BORDER || is_beside(leaf, triangle, u, v)) return EP_POLISHED_AWAY;
     field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;
     field[3] = (float)fmin(fmax(u, 0), 1);
     field[4] = (float)fmin(fmax(v, 0), triangle ? 1 - field[3] : 1);

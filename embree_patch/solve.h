@@ -24,10 +24,10 @@ typedef enum ep_polished { EP_POLISHED, EP_POLISHED_AWAY, EP_POLISHED_LOST } ep_
  * them. */
 #define EP_BORDER 0x1p-36
 
-/* A root found in float, found again in double: *t and field = Ng, u, v are replaced, and `exact` is u, v as they are.
- * AWAY: it is outside the patch, at *t. LOST: Newton leaves its neighbourhood of 2^-8. */
-ep_polished ep_polish(const ep_patch *patch, const float org[3], const float dir[3], float *t, float field[5],
-                      double exact[2]);
+/* A leaf's root found in float, found again in double: *t and field = Ng, u, v are replaced, and `exact` is u, v as
+ * they are. AWAY: it is outside the patch, or another leaf's, at *t. LOST: Newton leaves its neighbourhood of 2^-8. */
+ep_polished ep_polish(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], float *t,
+                      float field[5], double exact[2]);
 
 /* The nearest root with after < t < before; false: there is none. Call again with after = root->t for the next. */
 bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double after,

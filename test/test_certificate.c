@@ -238,7 +238,8 @@ static found is_root(const visit *v, float *k, float hit[5], bool vague, double 
 {
     double s, t, exact[2];
     if (vague) {
-        const ep_polished p = ep_polish(v->patch, v->ray + EP_RAY_ORG, v->ray + EP_RAY_DIR, k, hit, exact);
+        const ep_polished p =
+            ep_polish(v->patch, v->piece.leaf, v->ray + EP_RAY_ORG, v->ray + EP_RAY_DIR, k, hit, exact);
         if (p == EP_POLISHED_LOST) return LOOKED_FOR;
         if (p == EP_POLISHED_AWAY) return ANOTHER;
         radius = 0x1p-20;

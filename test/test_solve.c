@@ -75,8 +75,9 @@ static void polished_roots(void **state)
             field[EP_HIT_U] = (float)(u + rng_in(&r, -away, away));
             field[EP_HIT_V] = (float)(v + rng_in(&r, -away, away));
             double exact[2];
+            const ep_leaf whole = {.domain = {0, 0, 1, 1, 0, 0}};
             ++tried;
-            if (ep_polish(&g->hierarchy.patches[0], org, dir, &t, field, exact) != EP_POLISHED) continue;
+            if (ep_polish(&g->hierarchy.patches[0], &whole, org, dir, &t, field, exact) != EP_POLISHED) continue;
             ++polished;
             evaluate_patch(&p, exact[0], exact[1], x, xu, xv);
             double along = 0, off[3], most = 0;

@@ -98,7 +98,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
             const w_step step = w_advance(leaf, &v, triangle, 1, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, step.stuck);
             const w_f t = v.moved + w_fma(step.height, v.inverse, cell);
-            const w_m found = w_and(step.hit, w_nearly(&step, v.moved, t, r.tnear, r.tfar));
+            const w_m found = w_and(step.hit, w_nearly(&step, v.moved, t, r.tnear, w_set(INFINITY)));
             const uint32_t bits = w_bits(found);
             if (bits) {
                 hit |= bits;

@@ -20,9 +20,8 @@
 #define EP_SURE 0.25f
 
 /* A root that may be displaced by more than EP_FLAT along a leaf, where the ray is nearly tangent, is found again in
- * double; and so is one that may be farther than EP_SHARP on either side of the leaf's border. */
+ * double; and so is one that may be farther than EP_SHARP (leaf.h) on either side of the leaf's border. */
 #define EP_FLAT 0x1p-16f
-#define EP_SHARP 0x1p-18f
 
 /* Conclusion (2): a, how far e may go at a = 0 and how much less for larger a, and how much |x* - y| grows by. */
 #define EP_STEPS 0.375f

@@ -59,7 +59,7 @@ static ep_polished polish(const ep_query *q, unsigned lane, const ep_candidates 
     }
     for (unsigned f = 0; f < 5; ++f) field[f] = c->hit[f * n + lane];
     *t = c->t[lane];
-    return ep_polish(ep_patch_of(q), org, dir, t, field, exact);
+    return ep_polish(ep_patch_of(q), q->leaf, org, dir, t, field, exact);
 }
 
 ep_polished ep_polish_candidate(const ep_query *q, unsigned lane, ep_candidates *c)
