@@ -102,8 +102,9 @@ int cmd_verify(int argc, char **argv)
         "Holds the kernels against a slow reference in double precision: random rays at every geometry\n"
         "of the scene by itself, as it is or where an object puts it. A fault is a hit missed, one too\n"
         "many, a wrong t (2e-5 relative), u, v or normal (0.25 degrees), an occlusion query that\n"
-        "disagrees, or other bits in another width or instruction set. Rays that a rounding could turn\n"
-        "from hit to miss, within 2e-3 of tangency, 1e-5 of a border or 2e-5 of a trim, are left out.\n"
+        "disagrees, or other bits in another width or instruction set, or where the ray ends at its hit.\n"
+        "Rays that a rounding could turn from hit to miss, within 2e-3 of tangency, 1e-5 of a border or\n"
+        "2e-5 of a trim, are left out.\n"
         "Exit status 1 when there is a fault.",
         "SCENE",
         &c.scene,

@@ -23,8 +23,8 @@ typedef struct bench {
     const scene_geometry *geometry;
     oracle *oracle;
     world *worlds[VERIFY_SETUPS]; /* setups of the same instruction set share one */
-    trace_ray *rays;
-    world_hit *first, *hits;
+    trace_ray *rays, *cut;        /* `cut`: those that hit end right behind it */
+    world_hit *first, *hits, *again;
     uint8_t *verdicts, *occluded, *faulty;
     unsigned explained;
 } bench;
@@ -58,8 +58,10 @@ static void bench_close(bench *b)
     }
     oracle_free(b->oracle);
     free(b->rays);
+    free(b->cut);
     free(b->first);
     free(b->hits);
+    free(b->again);
     free(b->verdicts);
     free(b->occluded);
     free(b->faulty);
@@ -71,12 +73,15 @@ static bool bench_open(bench *b, const scene *one, const verify_options *o, doub
     *b = (bench){.o = o, .geometry = one->geometries};
     b->oracle = oracle_of(one->geometries);
     b->rays = malloc(BLOCK * sizeof *b->rays);
+    b->cut = malloc(BLOCK * sizeof *b->cut);
     b->first = malloc(BLOCK * sizeof *b->first);
     b->hits = malloc(BLOCK * sizeof *b->hits);
+    b->again = malloc(BLOCK * sizeof *b->again);
     b->verdicts = malloc(BLOCK);
     b->occluded = malloc(BLOCK);
     b->faulty = malloc(BLOCK);
-    bool complete = b->oracle && b->rays && b->first && b->hits && b->verdicts && b->occluded && b->faulty;
+    bool complete =
+        b->oracle && b->rays && b->cut && b->first && b->hits && b->again && b->verdicts && b->occluded && b->faulty;
     if (!complete) report_no_memory(one->path);
     for (size_t i = 0; i < o->setup_count && complete; ++i) {
         for (size_t k = 0; k < i && !b->worlds[i]; ++k)
@@ -190,6 +195,11 @@ static bool run_setup(bench *b, size_t setup, size_t count, verify_row *row)
     trace_result result;
     if (!trace_rays(b->worlds[setup], b->rays, count, &t, hits, &result)) return false;
     row->slow += result.cost.slow;
+    for (size_t i = 0; i < count; ++i) {
+        b->cut[i] = b->rays[i];
+        if (hits[i].geomID != ~0u) b->cut[i].tfar = nextafterf(hits[i].t, INFINITY);
+    }
+    if (!trace_rays(b->worlds[setup], b->cut, count, &t, b->again, &result)) return false;
     t.occluded = true;
     if (!trace_rays(b->worlds[setup], b->rays, count, &t, b->occluded, &result)) return false;
 
@@ -197,7 +207,8 @@ static bool run_setup(bench *b, size_t setup, size_t count, verify_row *row)
     for (size_t i = 0; i < count; ++i) {
         const bool hit = hits[i].geomID != ~0u;
         const judge_verdict verdict = b->verdicts[i];
-        const bool disagrees = hit != b->occluded[i], differs = memcmp(&hits[i], &b->first[i], sizeof *hits);
+        const bool disagrees = hit != b->occluded[i], cut = memcmp(&hits[i], &b->again[i], sizeof *hits);
+        const bool differs = cut || memcmp(&hits[i], &b->first[i], sizeof *hits);
         ++row->rays;
         row->hits += hit;
         ++row->verdicts[verdict];
@@ -209,6 +220,7 @@ static bool run_setup(bench *b, size_t setup, size_t count, verify_row *row)
         explain(b, i, s, &hits[i],
                 verdict >= JUDGE_MISSED ? judge_names[verdict]
                 : disagrees             ? "occlusion disagrees"
+                : cut                   ? "other bits if it ends there"
                                         : "other bits");
     }
     return true;

@@ -20,7 +20,7 @@ typedef struct verify_setup {
 typedef struct verify_row {
     size_t rays, hits, verdicts[JUDGE_VERDICTS];
     size_t occluded; /* rays whose occlusion query disagrees with the intersection query */
-    size_t bits;     /* ... whose hit is not the same bits as in the first setup         */
+    size_t bits;     /* ... whose hit has other bits in the first setup, or if the ray ends right behind it */
     judge_errors most;
     uint64_t slow;
 } verify_row;
