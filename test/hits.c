@@ -53,6 +53,11 @@ void judge_rays(const oracle *o, RTCScene scene, const test_ray *rays, unsigned 
         a->count = oracle_intersect(o, org, dir, 0, INFINITY, a->roots);
         a->verdict = judge(o, org, dir, a->roots, a->count, &a->alone, &judge_usual, NULL);
         a->fault = a->verdict < JUDGE_MISSED ? NULL : judge_names[a->verdict];
+        if (a->fault || !(a->alone.t < INFINITY)) continue;
+        a->many = trace_one(scene, r->org, r->dir, 0, nextafterf(a->alone.t, INFINITY));
+        if (same_answer(&a->many, &a->alone)) continue;
+        a->fault = "other bits if the ray ends there";
+        a->width = 1;
     }
     static const unsigned widths[] = {1, 4, 8, 16};
     for (size_t w = 0; w < EP_ARRAY_LEN(widths); ++w) compare_packets(scene, rays, count, widths[w], answers);

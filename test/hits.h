@@ -23,8 +23,8 @@ typedef struct hits_answer {
     size_t count;
 } hits_answer;
 
-/* Traces rays one by one, in packets of 4, 8 and 16, and for occlusion; all have to agree, the hits bit for bit. The
- * oracle judges them. */
+/* Traces rays one by one, again up to right behind their hit, in packets of 4, 8 and 16, and for occlusion; all have to
+ * agree, the hits bit for bit. The oracle judges them. */
 void judge_rays(const oracle *o, RTCScene scene, const test_ray *rays, unsigned count, hits_answer *answers);
 
 typedef struct hits_case {

@@ -34,13 +34,13 @@ static size_t print(const verify_options *o, const verify_report *r)
 {
     size_t faults = 0;
     puts("rays    width isa       traced     hits  missed   extra  wrong t   place  normal  occluded    bits  "
-         "left out   error of t  degrees  slow %");
+         "left out   error of t  degrees   slow %");
     for (int kind = 0; kind < AIM_KINDS; ++kind)
         for (size_t k = 0; k < o->setup_count; ++k) {
             const verify_row *row = &r->rows[kind][k];
             const size_t *v = row->verdicts;
             if (!row->rays) continue;
-            printf("%-8s%5u %-7s %9zu%9zu%8zu%8zu%9zu%8zu%8zu%10zu%8zu%10zu%13.1e%9.3f%8.3f\n", aim_names[kind],
+            printf("%-8s%5u %-7s %9zu%9zu%8zu%8zu%9zu%8zu%8zu%10zu%8zu%10zu%13.1e%9.3f%9.3f\n", aim_names[kind],
                    o->setups[k].width, o->setups[k].isa, row->rays, row->hits, v[JUDGE_MISSED], v[JUDGE_EXTRA],
                    v[JUDGE_WRONG_T], v[JUDGE_WRONG_PLACE], v[JUDGE_WRONG_NORMAL], row->occluded, row->bits,
                    v[JUDGE_LEFT_OUT], row->most.t, row->most.degrees, 100.0 * (double)row->slow / (double)row->rays);

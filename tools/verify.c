@@ -180,9 +180,10 @@ static void explain(const bench *b, size_t i, const verify_setup *s, const world
            hit->v, hit->Ng[0], hit->Ng[1], hit->Ng[2]);
     for (size_t k = 0; k < count && k < 6; ++k) {
         const oracle_root *r = &roots[k];
-        printf("    %-12s t %-18.12g patch %u u %.12g v %.12g Ng %.6g %.6g %.6g cosine %.2g border %.2g\n",
-               r->doubtful ? "perhaps" : "root", r->t_low, r->patch, r->u, r->v, r->normal[0], r->normal[1],
-               r->normal[2], r->cosine, r->border);
+        printf("    %-12s t %-18.12g", r->doubtful ? "perhaps" : "root", r->t_low);
+        if (r->t_high > r->t_low) printf("to %-18.12g", r->t_high);
+        printf("patch %u u %.12g v %.12g Ng %.6g %.6g %.6g cosine %.2g border %.2g\n", r->patch, r->u, r->v,
+               r->normal[0], r->normal[1], r->normal[2], r->cosine, r->border);
     }
 }
 

@@ -25,7 +25,7 @@ typedef struct search {
     float ray[EP_RAY_FIELDS]; /* without tfar */
     ep_candidates c;
     known_roots known;
-    bool accepted;
+    bool accepted, counted; /* counted: among the visits that subdivision has decided */
     EPCounters *counters;
 } search;
 
@@ -86,7 +86,8 @@ static void subdivide(search *s, double lo, double hi)
     /* half-way to the next float: what rounds to more than tnear */
     lo = fmax(lo, 0.5 * ((double)tnear + (double)nextafterf(tnear, INFINITY)));
     ep_root r;
-    ++s->counters->slow;
+    s->counters->slow += !s->counted;
+    s->counted = true;
     while (!is_done(s) && lo < hi &&
            ep_solve(ep_patch_of(q), q->leaf, s->ray + EP_RAY_ORG, s->ray + EP_RAY_DIR, lo, hi, &r)) {
         /* the next one is told apart from this by more than the rounding of both */
