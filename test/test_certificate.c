@@ -20,7 +20,7 @@ static uint64_t ray_count = 40000, seed = 1;
 enum { RAYS_OF_PATCH = 50 };
 
 /* What the kernels promise of a hit (newton_tmpl.h), as numbers of their own: half of what they say must fail here. */
-static const double promised_accept = 4, promised_near = 0x1p-5;
+static const double promised_accept = 4, promised_near = 0x1p-5, promised_sharp = 0x1p-18;
 
 /* One leaf, and a ray. */
 typedef struct visit {
@@ -245,6 +245,9 @@ static found is_root(const visit *v, float *k, float hit[5], bool vague, double 
         radius = 0x1p-20;
     }
     hit_place(v, hit[EP_HIT_U], hit[EP_HIT_V], &s, &t);
+    /* or which leaf is met first would decide whose bits the hit has */
+    const double beside = -piece_inside(&v->piece, s, t), most = promised_sharp + 4 * parameter_rounding(v);
+    CHECK(!vague || beside <= most, "%s: a root %.3g outside the leaf", describe(v, r), beside);
     return distance(r, s, t) <= radius + 2 * parameter_rounding(v) + 2 * r->exact ? FOUND : ANOTHER;
 }
 
