@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-static double largest(ep_vec3 a)
+static double largest_entry(ep_vec3 a)
 {
     return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
 }
@@ -216,7 +216,8 @@ static void allow_for_rays(ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
     const bool triangle = f->kind == &ep_kinds[EP_KIND_TRIANGLE];
-    const double per = 12 * EP_EPS_F * fmax(largest(f->row[0]), fmax(largest(f->row[1]), largest(f->row[2])));
+    const double per =
+        12 * EP_EPS_F * fmax(largest_entry(f->row[0]), fmax(largest_entry(f->row[1]), largest_entry(f->row[2])));
     const double way = EP_STEEP * (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) + ep_norm1(f->column[2]);
     const double noise = 2 * per * leaf->height * way;
     const double noise_st = leaf->noise_st + noise, noise_h = leaf->noise_h + noise;

@@ -23,7 +23,8 @@
  * double; and so is one that may be farther than EP_SHARP (leaf.h) on either side of the leaf's border. */
 #define EP_FLAT 0x1p-16f
 
-/* Conclusion (2): a, how far e may go at a = 0 and how much less for larger a, and how much |x* - y| grows by. */
+/* Conclusion (2): the most that a may be; what G e may be where a is zero, and how much less per a; and what |x* - y|
+ * grows by, per a. */
 #define EP_STEPS 0.375f
 #define EP_TURNS 2.0f
 #define EP_TURNS_LESS (4.0f / 3 * (1 + 0x1p-20f))
