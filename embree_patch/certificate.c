@@ -14,14 +14,15 @@ static double largest_entry(ep_vec3 a)
     return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
 }
 
-/* Sum of |coefficient c| times its monomial's maximum. */
-static double magnitude(const ep_fit *f, const ep_point *net, unsigned m, unsigned n, int c)
+/* Sum of |coefficient c| times its monomial's maximum, (each + its degree if `degrees`) times. */
+static double magnitude(const ep_fit *f, const ep_point *net, unsigned m, unsigned n, int c, unsigned each,
+                        bool degrees)
 {
     double sum = 0;
     for (unsigned j = 0; j <= n; ++j)
         for (unsigned i = 0; i <= m; ++i) {
             const size_t at = f->kind->index(m, n, i, j);
-            if (at != SIZE_MAX) sum += fabs(net[at][c]) * ep_monomial(f, i, j);
+            if (at != SIZE_MAX) sum += (each + degrees * (i + j)) * fabs(net[at][c]) * ep_monomial(f, i, j);
         }
     return sum;
 }
@@ -30,13 +31,7 @@ static double magnitude(const ep_fit *f, const ep_point *net, unsigned m, unsign
  * added, i times more in s, then where its row is added, j times more in t. */
 static double horner(const ep_fit *f, const ep_point *net, unsigned m, unsigned n, int c)
 {
-    double sum = 0;
-    for (unsigned j = 0; j <= n; ++j)
-        for (unsigned i = 0; i <= m; ++i) {
-            const size_t at = f->kind->index(m, n, i, j);
-            if (at != SIZE_MAX) sum += (i + j + 3) * fabs(net[at][c]) * ep_monomial(f, i, j);
-        }
-    return sum;
+    return magnitude(f, net, m, n, c, 3, true);
 }
 
 /* The largest contribution to a coordinate of the terms that a series of degree (m, n) has no place for. */
@@ -68,7 +63,7 @@ static double reduce(ep_fit *f)
     while (!triangle && n > 1 && beyond(f, m, n - 1) <= EP_EPS_F) --n;
     const double lost = beyond(f, m, n);
     /* a weight that is one to within a rounding is one */
-    const double off = magnitude(f, f->series, f->m, f->n, 3) - 1;
+    const double off = magnitude(f, f->series, f->m, f->n, 3, 1, false) - 1;
     if (leaf->rational && off <= EP_EPS_F) leaf->rational = 0;
     const unsigned special = m > n ? m : n;
     if (special <= EP_SPECIAL_DEGREES) m = n = special;
