@@ -43,6 +43,18 @@ bool ep_reserve(void **items, size_t *capacity, size_t count, size_t more, size_
     return true;
 }
 
+bool ep_shrink(void **items, size_t *capacity, size_t count, size_t size)
+{
+    if (*capacity == count) return true;
+    void *smaller = ep_alloc(count, size);
+    if (!smaller) return false;
+    if (count) memcpy(smaller, *items, count * size);
+    ep_free(*items);
+    *items = smaller;
+    *capacity = count;
+    return true;
+}
+
 EPStatus ep_fail(ep_message *m, EPStatus s, const char *format, ...)
 {
     va_list ap;

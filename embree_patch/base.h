@@ -23,6 +23,9 @@ void ep_free(void *p);
  * and all as it was, when there is no memory. */
 bool ep_reserve(void **items, size_t *capacity, size_t count, size_t more, size_t size);
 
+/* Gives back the room behind the first `count`. False, and all as it was, when there is no memory. */
+bool ep_shrink(void **items, size_t *capacity, size_t count, size_t size);
+
 /* For tests: the n-th allocation from now fails, counting from 0; negative: none does. */
 void ep_alloc_fail_at(long n);
 

@@ -16,8 +16,9 @@
  * thickness: with 0.77 and a thickness of 0.115, 17 of 262,144 primary rays at the teapot end in subdivision. */
 static const double max_distortion = 0.77;
 
-/* Halvings after which a piece that folds or collapses within is left to subdivision along the ray. */
-enum { FOLD_DEPTH = 12 };
+/* Halvings after which a piece that folds or collapses within is left to subdivision along the ray; and one that is
+ * nothing but a line, all of whose parts are no better: a few make its boxes smaller. */
+enum { FOLD_DEPTH = 12, LINE_DEPTH = 4 };
 
 typedef struct piece_args {
     const ep_patch *patch;
@@ -76,7 +77,8 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
     if (depth < a->settings->maxDepth) {
         const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) &&
                           f->distortion <= max_distortion && f->loss <= max_loss;
-        const bool hopeless = stage == SURFACE && !(f->distortion < 1) && depth * ep_kinds[kind].halvings >= FOLD_DEPTH;
+        const bool hopeless = stage == SURFACE && !(f->distortion < 1) &&
+                              depth * ep_kinds[kind].halvings >= (f->line ? LINE_DEPTH : FOLD_DEPTH);
         ep_domain parts[EP_TRIMMED_PARTS];
         if (!good && !hopeless) {
             const unsigned n = ep_kinds[kind].split(d, f->turn[1] > f->turn[0], parts);

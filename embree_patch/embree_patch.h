@@ -18,8 +18,9 @@
  *     epReleaseGeometry(teapot);
  *
  * What a hit means
- *   primID    the index of the patch, in the order of the epAdd calls.
- *   u, v      the patch's own parameters (see epAddBezierTriangles and epAddBezierPatches).
+ *   primID    the index of the patch, in the order of the epAdd calls; or of the face that patches were joined to
+ *             (epJoinPatches), which counts as one.
+ *   u, v      the patch's own parameters (see epAddBezierTriangles and epAddBezierPatches), or the face's.
  *   Ng        dP/du x dP/dv, not normalised, in the space of the geometry. It does not depend on the side the ray
  *             came from. Where the derivatives vanish (a collapsed edge) it is the limit from inside the patch.
  *   tfar      the distance to the hit in units of the ray's direction, which need not be a unit vector.
@@ -105,6 +106,15 @@ EP_API EPStatus epAddBezierTriangles(EPGeometry geometry, unsigned degree, size_
 EP_API EPStatus epAddBezierPatches(EPGeometry geometry, unsigned degreeU, unsigned degreeV, size_t count,
                                    EPFormat format, const void *points, size_t byteStride);
 
+/* Makes one face of the last `count` patches, from `firstPatch` on: a surface with one primID and parameters of its own
+ * that is made of pieces, such as the spans of a NURBS surface or the parts of a face of a subdivision surface. Patch k
+ * is the part of it where (u, v) is the image of the patch's own (s, t) under transforms[k] = {a, b, c, d, e, f}, which
+ * maps (s, t) to (a s + c t + e, b s + d t + f). Hits on it have these u, v and dP/du x dP/dv with respect to them.
+ * Without a join, a patch is a face by itself. With no patches at all (count 0), the next number becomes that of a face
+ * that no ray hits. EP_INVALID: they are not the last ones, one of them belongs to another
+ * face or is trimmed, or a transform is not finite or has no inverse. Then nothing is joined. */
+EP_API EPStatus epJoinPatches(EPGeometry geometry, uint32_t firstPatch, size_t count, const double (*transforms)[6]);
+
 /* Replaces the control points of `count` patches that were added, from `firstPatch` on; degrees and trims stay.
  * `points` holds the points of each patch after those of the one before, in the order in which they were added; in any
  * format. Takes effect with the next refit or commit, until which nothing may be traced. EP_INVALID, EP_BAD_DATA: as
@@ -170,7 +180,7 @@ EP_API int epIsInRegion(EPRegion region, double u, double v);
 
 /* Trims `count` patches that were added, from `firstPatch` on, in place of what trimmed them before; NULL: not at all.
  * Takes effect with the next commit, until which nothing may be traced. What is outside makes no leaves, and rays pass
- * through it. EP_INVALID: no such patches, or the region is not complete. */
+ * through it. EP_INVALID: no such patches, or the region is not complete. EP_UNSUPPORTED: one of them was joined. */
 EP_API EPStatus epSetPatchTrim(EPGeometry geometry, uint32_t firstPatch, size_t count, EPRegion region);
 
 /* How the parts of a patch that trim curves cross are divided: only their leaves ever test a hit's u and v. */
@@ -251,14 +261,15 @@ EP_API RTCGeometry epNewRTCGeometry(EPGeometry geometry, RTCDevice device);
  * next call on the geometry. */
 EP_API const char *epGetGeometryMessage(EPGeometry geometry);
 
-/* A point on patch `primID` at its parameters u, v, in double precision, straight from the control points as they
- * were given. Any of the outputs may be NULL. First derivatives: dPdu, dPdv; second: d2[0..2] = d²P/du²,
- * d2[3..5] = d²P/dudv, d2[6..8] = d²P/dv². Parameters outside the domain are evaluated, not clamped.
- * Needs no commit. EP_INVALID: no such patch. */
+/* A point on patch or face `primID` at its parameters u, v, in double precision, straight from the control points as
+ * they were given. Any of the outputs may be NULL. First derivatives: dPdu, dPdv; second: d2[0..2] = d²P/du²,
+ * d2[3..5] = d²P/dudv, d2[6..8] = d²P/dv². Parameters outside the domain are evaluated, not clamped; of a face, by
+ * the patch that is nearest. Needs no commit. Takes time in proportion to the face's patches. EP_INVALID: no such
+ * patch. */
 EP_API EPStatus epEvaluate(EPGeometry geometry, uint32_t primID, double u, double v, double P[3], double dPdu[3],
                            double dPdv[3], double d2[9]);
 
-/* How far, in scene units, the point org + t dir of a reported hit may be from the exact surface of patch primID.
+/* How far, in scene units, the point org + t dir of a reported hit may be from the exact surface of patch or face primID.
  * org, dir and t are those of the ray in the geometry's space (before any instance transform). A ray that starts
  * at that point, moved by at least this bound along +Ng or -Ng and leaving to the same side, does not hit the same
  * sheet again. */
@@ -269,7 +280,7 @@ EP_API float epGetHitError(EPGeometry geometry, uint32_t primID, const float org
 EP_API void epGetGeometryBounds(EPGeometry geometry, float bounds[6]);
 
 typedef struct EPStatistics {
-    size_t patches, leaves;
+    size_t faces, patches, leaves;
     size_t uncertified;  /* leaves where only subdivision can tell (at poles, cusps and folds)  */
     double averageDepth; /* halvings of the domain, mean over leaves                            */
     unsigned maximumDepth;

@@ -30,6 +30,7 @@ void epReleaseGeometry(EPGeometry g)
     for (size_t i = 0; i < g->added_count; ++i) epReleaseRegion(g->added[i].region);
     ep_demand_free(g);
     ep_hierarchy_free(&g->hierarchy);
+    ep_faces_free(&g->faces);
     ep_free(g->added);
     ep_free(g->points);
     ep_free(g);
@@ -108,6 +109,23 @@ static size_t points_of(const ep_added *a)
     return ep_kinds[a->kind].point_count(a->degree_u, a->degree_v);
 }
 
+/* The committed leaves' patches are among those that were added, wherever these are now. */
+static void follow_points(EPGeometry g)
+{
+    for (size_t i = 0; i < g->hierarchy.patch_count; ++i)
+        g->hierarchy.patches[i].points = g->points + g->added[i].first;
+}
+
+/* Gives room for more patches back. */
+static bool shrink(EPGeometry g)
+{
+    const bool done = ep_shrink((void **)&g->added, &g->added_capacity, g->added_count, sizeof *g->added) &&
+                      ep_shrink((void **)&g->points, &g->point_capacity, g->point_count, sizeof *g->points) &&
+                      ep_faces_shrink(&g->faces);
+    follow_points(g);
+    return done;
+}
+
 static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_t count, EPFormat format,
                     const void *points, size_t stride)
 {
@@ -122,13 +140,11 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
     if (count > UINT32_MAX - g->added_count || count > SIZE_MAX / 64 / each)
         return ep_fail(&g->message, EP_INVALID, "%zu patches are too many", count);
     if (!ep_reserve((void **)&g->added, &g->added_capacity, g->added_count, count, sizeof *g->added) ||
-        !ep_reserve((void **)&g->points, &g->point_capacity, g->point_count, count * each, sizeof *g->points))
+        !ep_reserve((void **)&g->points, &g->point_capacity, g->point_count, count * each, sizeof *g->points) ||
+        (ep_faces_exist(&g->faces) && !ep_faces_reserve(&g->faces, count)))
         return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", count);
 
-    /* the committed leaves' patches are among these, wherever they are now */
-    for (size_t i = 0; i < g->hierarchy.patch_count; ++i)
-        g->hierarchy.patches[i].points = g->points + g->added[i].first;
-
+    follow_points(g);
     given_points from = {format, points, stride};
     for (size_t k = 0; k < count; ++k) {
         ep_added *a = &g->added[g->added_count + k];
@@ -136,6 +152,7 @@ static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_
         status = read_net(g, k, each, &from, g->points + a->first, &a->rational);
         if (status != EP_OK) return status;
     }
+    if (ep_faces_exist(&g->faces)) ep_faces_add(&g->faces, count);
     g->added_count += count;
     g->point_count += count * each;
     g->committed = false;
@@ -152,6 +169,18 @@ EPStatus epAddBezierPatches(EPGeometry g, unsigned m, unsigned n, size_t count, 
                             size_t stride)
 {
     return add(g, EP_KIND_TENSOR, m, n, count, format, points, stride);
+}
+
+EPStatus epJoinPatches(EPGeometry g, uint32_t first, size_t count, const double (*transforms)[6])
+{
+    const char *problem = ep_faces_problem(&g->faces, g->added_count, first, count, transforms);
+    for (size_t i = first; !problem && i < g->added_count; ++i)
+        if (g->added[i].region) problem = "a patch is trimmed";
+    if (problem) return ep_fail(&g->message, EP_INVALID, "%zu patches from %u on: %s", count, first, problem);
+    if (!ep_faces_join(&g->faces, g->added_count, first, count, transforms))
+        return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", count);
+    g->committed = false;
+    return EP_OK;
 }
 
 static EPStatus check_patches(EPGeometry g, uint32_t first, size_t count)
@@ -188,6 +217,11 @@ EPStatus epSetPatchTrim(EPGeometry g, uint32_t first, size_t count, EPRegion reg
     const EPStatus status = check_patches(g, first, count);
     if (status != EP_OK) return status;
     if (region && !region->trim) return ep_fail(&g->message, EP_INVALID, "a trim's region is not complete");
+    for (size_t i = first; ep_faces_exist(&g->faces) && i < first + count; ++i) {
+        size_t of_face, end;
+        ep_faces_patches(&g->faces, g->faces.places[i].face, &of_face, &end);
+        if (end - of_face > 1) return ep_fail(&g->message, EP_UNSUPPORTED, "patch %zu is joined to others", i);
+    }
     for (size_t i = first; i < first + count; ++i) {
         epRetainRegion(region);
         epReleaseRegion(g->added[i].region);
@@ -259,9 +293,23 @@ static ep_patch *new_patches(EPGeometry g)
     return patches;
 }
 
+/* A face's patches share the largest of their errors. */
+static void share_errors(EPGeometry g)
+{
+    ep_patch *patches = g->hierarchy.patches;
+    for (size_t face = 0; ep_faces_exist(&g->faces) && face < g->faces.count; ++face) {
+        double error = 0;
+        size_t first, end;
+        ep_faces_patches(&g->faces, (uint32_t)face, &first, &end);
+        for (size_t i = first; i < end; ++i) error = fmax(error, patches[i].error);
+        for (size_t i = first; i < end; ++i) patches[i].error = error;
+    }
+}
+
 EPStatus epCommitGeometry(EPGeometry g)
 {
     const double start = seconds();
+    if (!shrink(g)) return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
     ep_patch *patches = new_patches(g);
     const ep_trim **trims = ep_alloc(g->added_count, sizeof *trims);
     EPRegion *regions = ep_alloc(g->added_count, sizeof *regions);
@@ -291,6 +339,7 @@ EPStatus epCommitGeometry(EPGeometry g)
     g->hierarchy = h;
     g->on_demand = on_demand;
     g->region_bytes = region_bytes;
+    share_errors(g);
     g->committed = true;
     g->moved = false;
     g->build_seconds = seconds() - start;
@@ -327,6 +376,7 @@ EPStatus epRefitGeometry(EPGeometry g)
         ep_free(patches);
         return status;
     }
+    share_errors(g);
     g->moved = false;
     g->build_seconds = seconds() - start;
     return EP_OK;
@@ -338,14 +388,53 @@ static void store(double out[3], ep_vec3 v)
     out[0] = v.x, out[1] = v.y, out[2] = v.z;
 }
 
+static size_t face_count(EPGeometry g)
+{
+    return ep_faces_exist(&g->faces) ? g->faces.count : g->added_count;
+}
+
+/* With patches? */
+static bool is_face(EPGeometry g, uint32_t face)
+{
+    if (face >= face_count(g)) return false;
+    size_t first, end;
+    ep_faces_patches(&g->faces, face, &first, &end);
+    return first < end;
+}
+
+static ep_frame evaluate(EPGeometry g, size_t patch, double s, double t)
+{
+    const ep_added *a = &g->added[patch];
+    ep_jet jet;
+    ep_kinds[a->kind].eval(g->points + a->first, a->degree_u, a->degree_v, s, t, &jet);
+    return ep_project(&jet);
+}
+
+/* By the patch whose part of the plane (u, v) is in or, in units of the patch, the least outside of. */
+static ep_frame evaluate_face(EPGeometry g, uint32_t face, double u, double v)
+{
+    size_t i, end, best = 0;
+    double least = INFINITY, at[2] = {0, 0};
+    for (ep_faces_patches(&g->faces, face, &i, &end); i < end && least > 0; ++i) {
+        double s, t;
+        ep_place_inverse(&g->faces.places[i], u, v, &s, &t);
+        const double far = g->added[i].kind == EP_KIND_TRIANGLE ? s + t : fmax(s, t);
+        const double out = fmax(fmax(fmax(-s, -t), far - 1), 0);
+        if (out >= least) continue;
+        least = out;
+        best = i;
+        at[0] = s, at[1] = t;
+    }
+    ep_frame f = evaluate(g, best, at[0], at[1]);
+    ep_place_derivatives(&g->faces.places[best], &f);
+    return f;
+}
+
 EPStatus epEvaluate(EPGeometry g, uint32_t primID, double u, double v, double P[3], double dPdu[3], double dPdv[3],
                     double d2[9])
 {
-    if (primID >= g->added_count) return EP_INVALID;
-    const ep_added *a = &g->added[primID];
-    ep_jet jet;
-    ep_kinds[a->kind].eval(g->points + a->first, a->degree_u, a->degree_v, u, v, &jet);
-    const ep_frame f = ep_project(&jet);
+    if (!is_face(g, primID)) return EP_INVALID;
+    const ep_frame f = ep_faces_exist(&g->faces) ? evaluate_face(g, primID, u, v) : evaluate(g, primID, u, v);
     store(P, f.p);
     store(dPdu, f.pu);
     store(dPdv, f.pv);
@@ -362,8 +451,11 @@ EPStatus epEvaluate(EPGeometry g, uint32_t primID, double u, double v, double P[
  * amplified. */
 float epGetHitError(EPGeometry g, uint32_t primID, const float org[3], const float dir[3], float t)
 {
-    if (!g->committed || primID >= g->hierarchy.patch_count) return 0;
-    double error = g->on_demand ? ep_demand_error(g, primID) : g->hierarchy.patches[primID].error;
+    if (!g->committed || !is_face(g, primID)) return 0;
+    size_t first, end;
+    ep_faces_patches(&g->faces, primID, &first, &end);
+    double error = g->hierarchy.patches[first].error;
+    for (size_t i = first; g->on_demand && i < end; ++i) error = fmax(error, ep_demand_error(g, (uint32_t)i));
     for (int c = 0; c < 3; ++c) error += 4 * EP_EPS_F * (fabs(org[c]) + fabs((double)t * dir[c]));
     return ep_round_up(2 * error);
 }
@@ -377,6 +469,7 @@ void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
 {
     const ep_hierarchy *h = &g->hierarchy;
     *s = (EPStatistics){
+        .faces = face_count(g),
         .patches = g->added_count,
         .leaves = h->leaf_count,
         .uncertified = h->uncertified,
@@ -384,7 +477,7 @@ void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
         .maximumDepth = h->maximum_depth,
         .averageThickness = h->average_thickness,
         .bytes = sizeof *g + g->added_capacity * sizeof *g->added + g->point_capacity * sizeof *g->points +
-                 ep_hierarchy_bytes(h) + g->region_bytes,
+                 ep_faces_bytes(&g->faces) + ep_hierarchy_bytes(h) + g->region_bytes,
         .buildSeconds = g->build_seconds,
         .isa = g->kernels->isa,
     };

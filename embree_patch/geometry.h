@@ -5,6 +5,7 @@
 #define EP_GEOMETRY_H
 
 #include "embree_patch/demand.h"
+#include "embree_patch/face.h"
 #include "embree_patch/kernels.h"
 #include "embree_patch/region.h"
 
@@ -21,6 +22,7 @@ struct EPGeometryTy {
     atomic_int references;
     EPBuildSettings settings;
     const ep_kernels *kernels;
+    ep_faces faces;
     ep_added *added;
     size_t added_count, added_capacity;
     ep_point *points; /* homogeneous */

@@ -231,6 +231,23 @@ static void choose_model(ep_fit *f, const bounds b[3])
     }
 }
 
+/* Are all points of the series, but for rounding, on a line through the one in the middle? */
+static bool is_line(const ep_fit *f, const ep_point *q, size_t count, ep_vec3 at)
+{
+    double longest = 0;
+    ep_vec3 along = ep_v3(0, 0, 0), v[EP_NET_POINTS];
+    for (size_t k = 0; k < count; ++k) {
+        v[k] = ep_sub(ep_v3(q[k][0], q[k][1], q[k][2]), ep_scale(q[k][3], at));
+        if (ep_length(v[k]) <= longest) continue;
+        longest = ep_length(v[k]);
+        along = v[k];
+    }
+    const double rounding = 0x1p-44 * f->patch->radius + 0x1p-36 * longest;
+    for (size_t k = 0; k < count; ++k)
+        if (ep_length(ep_cross(along, v[k])) > longest * rounding) return false;
+    return true;
+}
+
 /* A piece without a frame is left to subdivision. */
 static void irregular(ep_fit *f)
 {
@@ -311,8 +328,10 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     const ep_vec3 dt = ep_sub(ep_v3(q[t][0], q[t][1], q[t][2]), ep_scale(q[t][3], at));
     f->turn[0] = ep_length(ds);
     f->turn[1] = ep_length(dt);
+    f->line = false;
     if (!tangent_frame(ds, dt, f)) {
         irregular(f);
+        f->line = is_line(f, q, count, at);
         return;
     }
     change_coordinates(f, q, at);

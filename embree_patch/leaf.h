@@ -148,6 +148,7 @@ typedef struct ep_box {
 typedef struct ep_fit {
     ep_leaf leaf;
     bool regular;      /* false: a pole or a cusp has no frame; the leaf is left to subdivision                     */
+    bool line;         /* ... for the piece is no more than a line, or a point                                      */
     double thickness;  /* 2 height, in units of the piece's width                                                  */
     double distortion; /* bound on |Dr_st|: how far the parametrisation is from affine                             */
     double side;       /* bound on |r_s| and |r_t|                                                                 */

@@ -41,9 +41,13 @@ bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c)
         if (own[at] != met[at]) return own[at] < met[at];
     }
     static const unsigned fields[] = {EP_HIT_U, EP_HIT_V, EP_HIT_NG, EP_HIT_NG + 1, EP_HIT_NG + 2};
+    float candidate[HIT_PRIM];
+    for (unsigned f = 0; f < HIT_PRIM; ++f) candidate[f] = c->hit[f * n + lane];
+    const ep_place *place = ep_place_of(q);
+    if (place) ep_place_hit(place, candidate, 1, 0);
     for (unsigned f = 0; f < EP_ARRAY_LEN(fields); ++f) {
-        const unsigned at = fields[f] * n + lane;
-        if (c->hit[at] != hit[at]) return c->hit[at] < hit[at];
+        const float own_value = candidate[fields[f]], met_value = hit[fields[f] * n + lane];
+        if (own_value != met_value) return own_value < met_value;
     }
     return false;
 }
@@ -128,6 +132,9 @@ uint32_t ep_offer(const ep_query *q, uint32_t mask, ep_candidates *c)
     alignas(64) float before[EP_PACKET];
     float *tfar = q->ray + EP_RAY_TFAR * q->n;
     kernels->offer(q->ray, q->n, mask, c->t, before, valid);
+    const ep_place *place = ep_place_of(q);
+    for (uint32_t rest = place ? mask : 0; rest; rest &= rest - 1)
+        ep_place_hit(place, c->hit, q->n, (unsigned)__builtin_ctz(rest));
     fill_ids(q, c->hit);
     ep_ask_filters(q, valid, c->hit);
     const uint32_t accepted = kernels->settle(q->ray, q->n, mask, before, valid);

@@ -49,9 +49,17 @@ typedef struct ep_lane {
 /* Ids of what is hit, as they stand in a hit from HIT_PRIM on. */
 enum { HIT_IDS = HIT_FIELDS - HIT_PRIM };
 
+/* Where the leaf's patch lies in its face; NULL when patches are faces by themselves. */
+static inline const ep_place *ep_place_of(const ep_query *q)
+{
+    const ep_place *places = q->geometry->faces.places;
+    return places ? &places[q->leaf->patch] : NULL;
+}
+
 static inline void ep_ids_of(const ep_query *q, uint32_t id[HIT_IDS])
 {
-    id[0] = q->leaf->patch;
+    const ep_place *place = ep_place_of(q);
+    id[0] = place ? place->face : q->leaf->patch;
     id[HIT_GEOM - HIT_PRIM] = q->geom_id;
     uint32_t *inst = &id[HIT_INST - HIT_PRIM];
     for (unsigned l = 0; l < RTC_MAX_INSTANCE_LEVEL_COUNT; ++l) {
@@ -60,6 +68,17 @@ static inline void ep_ids_of(const ep_query *q, uint32_t id[HIT_IDS])
         inst[RTC_MAX_INSTANCE_LEVEL_COUNT + l] = q->context->instPrimID[l];
 #endif
     }
+}
+
+/* Gives hit `lane` of `n` the parameters of the face. */
+static inline void ep_place_hit(const ep_place *place, float *hit, unsigned n, unsigned lane)
+{
+    double u, v;
+    ep_place_apply(place, hit[EP_HIT_U * n + lane], hit[EP_HIT_V * n + lane], &u, &v);
+    hit[EP_HIT_U * n + lane] = (float)u;
+    hit[EP_HIT_V * n + lane] = (float)v;
+    for (unsigned k = EP_HIT_NG; k < EP_HIT_NG + 3; ++k)
+        hit[k * n + lane] = (float)(place->scale * hit[k * n + lane]);
 }
 
 /* Asks the filters about the hits that `valid` names; `hit` is an RTCHit<n> with its ids. */
@@ -92,7 +111,9 @@ static inline bool ep_offer_one(const ep_query *q, float t, float hit[HIT_FIELDS
     int valid = -1;
     float *tfar = q->ray + EP_RAY_TFAR;
     const float before = *tfar;
+    const ep_place *place = ep_place_of(q);
     uint32_t id[HIT_IDS];
+    if (place) ep_place_hit(place, hit, 1, 0);
     ep_ids_of(q, id);
     memcpy(hit + HIT_PRIM, id, sizeof id);
     *tfar = t;

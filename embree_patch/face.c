@@ -1,0 +1,121 @@
+/* face.c - see face.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "embree_patch/face.h"
+
+#include <float.h>
+#include <string.h>
+
+static double determinant(const double m[6])
+{
+    return m[0] * m[3] - m[1] * m[2];
+}
+
+bool ep_faces_reserve(ep_faces *f, size_t count)
+{
+    return ep_reserve((void **)&f->places, &f->place_capacity, f->place_count, count, sizeof *f->places) &&
+           ep_reserve((void **)&f->first, &f->first_capacity, f->count, count, sizeof *f->first);
+}
+
+void ep_faces_add(ep_faces *f, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        f->first[f->count] = f->place_count;
+        f->places[f->place_count++] = (ep_place){{1, 0, 0, 1, 0, 0}, 1, (uint32_t)f->count++};
+    }
+}
+
+bool ep_faces_shrink(ep_faces *f)
+{
+    return ep_shrink((void **)&f->places, &f->place_capacity, f->place_count, sizeof *f->places) &&
+           ep_shrink((void **)&f->first, &f->first_capacity, f->count, sizeof *f->first);
+}
+
+const char *ep_faces_problem(const ep_faces *f, size_t patches, size_t first, size_t count,
+                             const double (*transforms)[6])
+{
+    if (first > patches || count != patches - first) return "only the last patches can be joined";
+    bool single = !ep_faces_exist(f) || count <= f->count;
+    for (size_t i = 0; ep_faces_exist(f) && single && i < count; ++i)
+        single = f->first[f->count - count + i] == first + i;
+    if (!single) return "one of them belongs to another face";
+    if (count && !transforms) return "no transforms";
+    for (size_t i = 0; i < count; ++i) {
+        const double det = determinant(transforms[i]);
+        bool finite = isfinite(1 / det) && isfinite(det);
+        for (int k = 0; k < 6; ++k) finite = finite && fabs(transforms[i][k]) <= FLT_MAX;
+        if (!finite) return "a patch's transform is not finite or has no inverse";
+    }
+    return NULL;
+}
+
+bool ep_faces_join(ep_faces *f, size_t patches, size_t first, size_t count, const double (*transforms)[6])
+{
+    if (!ep_faces_exist(f)) {
+        if (!ep_faces_reserve(f, patches + 1)) {
+            ep_faces_free(f);
+            return false;
+        }
+        ep_faces_add(f, patches);
+    }
+    if (!count) {
+        if (!ep_faces_reserve(f, 1)) return false;
+        f->first[f->count++] = f->place_count;
+        return true;
+    }
+    f->count -= count - 1;
+    for (size_t i = 0; i < count; ++i) {
+        ep_place *p = &f->places[first + i];
+        memcpy(p->map, transforms[i], sizeof p->map);
+        p->scale = 1 / determinant(p->map);
+        p->face = (uint32_t)f->count - 1;
+    }
+    return true;
+}
+
+void ep_faces_patches(const ep_faces *f, uint32_t face, size_t *first, size_t *end)
+{
+    *first = face;
+    *end = (size_t)face + 1;
+    if (!ep_faces_exist(f)) return;
+    *first = f->first[face];
+    *end = *end < f->count ? f->first[face + 1] : f->place_count;
+}
+
+void ep_place_inverse(const ep_place *p, double u, double v, double *s, double *t)
+{
+    const double *m = p->map, x = u - m[4], y = v - m[5];
+    *s = (m[3] * x - m[2] * y) * p->scale;
+    *t = (m[0] * y - m[1] * x) * p->scale;
+}
+
+static ep_vec3 sum(double a, ep_vec3 x, double b, ep_vec3 y)
+{
+    return ep_add(ep_scale(a, x), ep_scale(b, y));
+}
+
+/* The chain rule with s, t linear in u, v. */
+void ep_place_derivatives(const ep_place *p, ep_frame *f)
+{
+    const double *m = p->map, su = m[3] * p->scale, sv = -m[2] * p->scale, tu = -m[1] * p->scale, tv = m[0] * p->scale;
+    const ep_frame g = *f;
+    const ep_vec3 us = sum(su, g.puu, tu, g.puv), ut = sum(su, g.puv, tu, g.pvv); /* of P_u by s and t */
+    const ep_vec3 vs = sum(sv, g.puu, tv, g.puv), vt = sum(sv, g.puv, tv, g.pvv);
+    f->pu = sum(su, g.pu, tu, g.pv);
+    f->pv = sum(sv, g.pu, tv, g.pv);
+    f->puu = sum(su, us, tu, ut);
+    f->puv = sum(sv, us, tv, ut);
+    f->pvv = sum(sv, vs, tv, vt);
+}
+
+size_t ep_faces_bytes(const ep_faces *f)
+{
+    return f->place_capacity * sizeof *f->places + f->first_capacity * sizeof *f->first;
+}
+
+void ep_faces_free(ep_faces *f)
+{
+    ep_free(f->places);
+    ep_free(f->first);
+    *f = (ep_faces){0};
+}
