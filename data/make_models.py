@@ -355,6 +355,20 @@ def leaf_contour():
     return minus({"polygon": {"segments": segments}}, {"polygon": {"segments": [hole]}})
 
 
+# ---------------------------------------------------------------------------------------------- cages
+
+
+def star(sharpness, points=5, inner=0.45, height=0.7):
+    """A star as a prism: a cage of quadrilaterals between two polygons, whose edges are sharp."""
+    n = 2 * points
+    ring = [(r * cos(pi * k / points), r * sin(pi * k / points)) for k in range(n) for r in [inner if k % 2 else 1.0]]
+    vertices = [(x, y, 0.0) for x, y in ring] + [(x, y, height) for x, y in ring]
+    sides = [[k, (k + 1) % n, n + (k + 1) % n, n + k] for k in range(n)]
+    faces = sides + [[n - 1 - k for k in range(n)], [n + k for k in range(n)]]
+    creases = [[low + k, low + (k + 1) % n, sharpness] for low in (0, n) for k in range(n)] if sharpness else []
+    return vertices, faces, creases
+
+
 # ---------------------------------------------------------------------------------------------- writing
 
 
@@ -375,15 +389,23 @@ def geometry(name, kind, degree, patches, trim=None):
             % (name, kind, json.dumps(degree), trims, lines))
 
 
-def file_geometry(name, path):
-    return '    { "name": "%s", "type": "file", "path": "%s" }' % (name, path)
+def cage(name, vertices, faces, creases):
+    sharp = ',\n      "creases": %s' % json.dumps(creases) if creases else ""
+    return ('    { "name": "%s", "type": "subdivision",\n      "vertices": [%s],\n      "faces": %s%s }'
+            % (name, ", ".join(map(point, vertices)), json.dumps(faces), sharp))
+
+
+def file_geometry(name, path, more=""):
+    return '    { "name": "%s", "type": "file", "path": "%s"%s }' % (name, path, more)
 
 
 def turned(degrees, axis="z", scale=1.0, at=(0, 0, 0)):
-    """Scaled (by one number or one an axis), then turned about an axis, then moved. 12 numbers: the images of the axes,
+    """Scaled (by one number or one an axis), then turned about an axis ("y up": the y axis raised, then turned about z),
+    then moved. 12 numbers: the images of the axes,
     then the translation."""
     c, s = cos(math.radians(degrees)), sin(math.radians(degrees))
-    images = {"z": ((c, s, 0), (-s, c, 0), (0, 0, 1)), "y": ((c, 0, -s), (0, 1, 0), (s, 0, c))}[axis]
+    images = {"z": ((c, s, 0), (-s, c, 0), (0, 0, 1)), "y": ((c, 0, -s), (0, 1, 0), (s, 0, c)),
+              "y up": ((c, s, 0), (0, 0, 1), (s, -c, 0))}[axis]
     scales = scale if isinstance(scale, tuple) else (scale, scale, scale)
     return [round(x, 9) for k in range(3) for x in mul(scales[k], images[k])] + list(at)
 
@@ -488,6 +510,17 @@ def files():
         [item("lantern", "gold", turned(25, "z", 2, (0, 0, 2))),
          item("sphere", "red plastic", turned(0, "z", 0.8, (0, 0, 2))), item("backdrop", "slate")],
         ((0.4, -12.5, 6.2), (0, 0, 1.7), 26))
+    sharpness = (0, 1, 2.5, 10)
+    names = ["star %g" % x for x in sharpness]
+    colour = ("yellow", "orange", "red", "violet")
+    models["scenes/cages.json"] = scene(
+        [file_geometry("spot", "../spot.obj", ', "as": "subdivision"')]
+        + [cage(names[k], *star(sharpness[k])) for k in range(4)] + [backdrop],
+        [item("spot", "porcelain", turned(150, "y up", 2.6, (0.1, 1.6, 1.9)))]
+        + [item(names[k], colour[k] + " plastic", turned(20 * k, "z", 1.0, (2.35 * k - 3.5, -2.6, 0.0)))
+           for k in range(4)]
+        + [item("backdrop", "slate")],
+        ((1.2, -14.5, 6.6), (0.1, -0.2, 1.3), 28))
     return models
 
 

@@ -269,10 +269,10 @@ EP_API const char *epGetGeometryMessage(EPGeometry geometry);
 EP_API EPStatus epEvaluate(EPGeometry geometry, uint32_t primID, double u, double v, double P[3], double dPdu[3],
                            double dPdv[3], double d2[9]);
 
-/* How far, in scene units, the point org + t dir of a reported hit may be from the exact surface of patch or face primID.
- * org, dir and t are those of the ray in the geometry's space (before any instance transform). A ray that starts
- * at that point, moved by at least this bound along +Ng or -Ng and leaving to the same side, does not hit the same
- * sheet again. */
+/* How far, in scene units, the point org + t dir of a reported hit may be from the exact surface of patch or face
+ * primID. org, dir and t are those of the ray in the geometry's space (before any instance transform). A ray that
+ * starts at that point, moved by at least this bound along +Ng or -Ng and leaving to the same side, does not hit the
+ * same sheet again. */
 EP_API float epGetHitError(EPGeometry geometry, uint32_t primID, const float org[3], const float dir[3], float t);
 
 /* The box that holds all patches of a committed geometry (onDemand: their control points): lower x, y, z, upper x, y,

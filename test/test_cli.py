@@ -238,7 +238,7 @@ def bad_scenes():
                           ('{"union": [' * 300 + '{"circle": {}}' + "]}" * 300, "regions are nested more than 256 deep"),
                           ('{"circle": {}, "transform": [1, 0, 0]}', "a transform has 3 numbers, not 6")):
         yield patched('"name"', '"trim": %s, "name"' % trim), r":1:\d+: " + message
-    for kind in ("nurbs", "quadratic_triangles", "phong_triangles", "pn_triangles", "subdivision"):
+    for kind in ("nurbs", "quadratic_triangles", "phong_triangles", "pn_triangles"):
         yield scene({"type": kind}), rf":1:\d+: geometry of type '{kind}' is not supported yet"
     yield scene({"type": "bezier", "degree": [1, 1]}), r"needs 'patches'"
     yield scene({"type": "bezier", "patches": []}), r"needs 'degree'"
@@ -314,6 +314,224 @@ def test_bad_models():
     works(Run("info", write("models/nested.json", scene({"type": "file", "path": "good.bpt"}))))
     write("models/good.bpt", good + "x")
     refuses(Run("info", "models/nested.json"), 1, r"models/good\.bpt:7:1: ")
+
+
+# The unit cube, its vertices in the order of binary numbers: bit 0 is x, bit 1 is y, bit 2 is z.
+CUBE = {"name": "cube", "type": "subdivision", "vertices": [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)],
+        "faces": [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]], "level": 3}
+TETRAHEDRON = {"name": "tetrahedron", "type": "subdivision", "scheme": "loop", "level": 3,
+               "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+               "faces": [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]}
+
+
+def obj(cage, *lines):
+    """An OBJ file with the cage, then more lines."""
+    vertices = ["v %g %g %g" % tuple(p) for p in cage["vertices"]]
+    faces = ["f " + " ".join(str(v + 1) for v in face) for face in cage["faces"]]
+    return "".join(line + "\n" for line in [*vertices, *faces, *lines])
+
+
+def test_good_cages():
+    """A cage in a scene and the same in an OBJ file, however written: the same bits."""
+    def same(json_cage, text, what, **more):
+        a = trace(write("cage.json", scene(json_cage)), rays)
+        write("cage.obj", text)
+        file = {"type": "file", "path": "cage.obj", "as": "subdivision", "level": 3, **more}
+        b = trace(write("file.json", scene(file)), rays)
+        check(a == b and {h[4] for h in a} > {MISS}, f"{what}: {a[:3]}, {b[:3]}")
+        return a
+
+    rays = [down(.1 * i + .03, .1 * j + .04) for i in range(-1, 11) for j in range(-1, 11)] + [
+        (5, .3, .4, 0, -1, 0, 0, math.inf), (.3, .4, -5, 0, 0, 0, 1, math.inf)]
+    plain = same(CUBE, obj(CUBE), "a cube")
+    long = dict(CUBE, creases=[{"vertices": [4, 5, 7, 6, 4], "sharpness": 2.5}])
+    edges = [[4, 5, 2.5], [5, 7, 2.5], [7, 6, 2.5], [6, 4, 2.5]]
+    creased = same(long, obj(CUBE, "t crease 8/1/0 4 5 5 7 7 6 6 4 2.5"), "creases")
+    same(dict(CUBE, creases=edges), obj(CUBE, *(f"t crease 2/1/0 {a} {b} {s}" for a, b, s in edges)), "single creases")
+    each = [[4, 5, 1], [5, 7, 2], [7, 6, 3], [6, 4, 1e9]]
+    same(dict(CUBE, creases=each), "t crease 8/4/0 4 5 5 7 7 6 6 4 1 2 3 inf\n" + obj(CUBE), "a sharpness each")
+    cornered = same(dict(CUBE, corners=[[4, 10], [7, 1.5]]), obj(CUBE, "t corner 2/2/0 4 7 12 1.5"), "corners")
+    holed = same(dict(CUBE, holes=[1]), obj(CUBE, "t hole 1/0/0 1"), "a hole")
+    loop = same(TETRAHEDRON, obj(TETRAHEDRON), "Loop's scheme", scheme="loop")
+    check(len({tuple(x) for x in (plain, creased, cornered, holed, loop)}) == 5, "tags change nothing")
+
+    box = dict(CUBE, faces=CUBE["faces"][1:])      # with two faces around each vertex of the border
+    roof = dict(CUBE, faces=CUBE["faces"][1::2])   # with one face around some; and nothing is left without the border
+    for cage, first in ((box, 0), (roof, 1)):
+        borders = [same(dict(cage, boundary=b), obj(cage, f"t interpolateboundary 1/0/0 {i}"), f"boundary {b}")
+                   for i, b in enumerate(("none", "edge-and-corner", "edge-only")) if i >= first]
+        check(borders[-1] != borders[0], "boundaries change nothing")
+    same(box, obj(box), "the usual boundary")
+    same(dict(box, boundary="none"), obj(box, "t interpolateboundary 1/0/0 1"), "both", boundary="none")
+
+    odd = ("\ufeff# a cube\nmtllib x.mtl\n\no c # d\ng a b\ns off\nusemtl \\\n  red\nvn 0 0 1\nvt 0 0 \\\n 0\n" +
+           obj(CUBE) + "l 1 2\np 3\nlod 2")
+    for old, new in (("f 1 3 4 2", "f 1/1 3/1/1 4//1 2 # first"), ("f 5 6 8 7", "f -4 -3 \\\n\t-1/1 +7"),
+                     ("v 1 1 1", " v\t1 1. 1e0 1 .5 .5 .5")):
+        assert old in odd
+        odd = odd.replace(old, new)
+    same(CUBE, odd, "odd writing")
+    same(CUBE, odd.replace("\n", "\r\n"), "CR LF")
+    methods = [obj(CUBE, "t crease 4/2/0 4 5 5 7 1 3", f"t creasemethod 0/0/1 {m}") for m in ("normal", "chaikin")]
+    hits = [trace(write("cage.obj", m), rays) for m in methods]
+    check(hits[0] != hits[1], "t creasemethod changes nothing")
+    triangles = dict(TETRAHEDRON, faces=[[0, 1, 3], [0, 3, 2]])
+    tags = ("0/0/1 catmark", "1/0/0 0", "0/0/1 smooth", "1/0/0 1")
+    hits = [trace(write("cage.obj", obj(triangles, "t smoothtriangles " + tag)), rays) for tag in tags]
+    check(hits[0] == hits[1] != hits[2] == hits[3], "t smoothtriangles")
+
+    write("cage.obj", obj(CUBE, "t vertexedit 1/1/2 0 1 add P", "t vertexedit 0/0/0", "t strange",
+                          "t facevaryinginterpolateboundary 1/0/0 1", "$ a remark", "t crease 2/1/0 0 7 5"))
+    r = Run("info", "cage.obj")
+    check(r.status == 0 and r.err == "epatch: cage.obj: OpenSubdiv: Edge 0 specified to be sharp does not exist "
+          "(0, 7); ignored\nepatch: cage.obj:19:1: '$' is not known and ignored\n"
+          "epatch: cage.obj:15:3: 'vertexedit' is not known and ignored\n"
+          "epatch: cage.obj:17:3: 'strange' is not known and ignored\n", f"{r}: what is ignored")
+
+
+def test_bad_cages():
+    def patched(old, new, cage=CUBE):
+        text = scene(cage)
+        assert text.count(old) >= 1, old
+        return text.replace(old, new, 1)
+
+    def extended(**more):
+        return scene(dict(CUBE, **more))
+
+    for text, pattern in [
+        (scene({"type": "subdivision"}), r"a subdivision surface needs 'vertices'"),
+        (scene({"type": "subdivision", "vertices": [[0, 0, 0]]}), r"a subdivision surface needs 'faces'"),
+        (extended(vertices=[]), r"'vertices' is empty"),
+        (extended(faces=[]), r"'faces' is empty"),
+        (extended(faces=5), r"'faces' is a number, not an array"),
+        (patched("[0, 0, 0]", "[0, 0]"), r"a vertex has 2 numbers, not 3"),
+        (patched("[0, 0, 0]", "[0, 1e19, 0]"), r"a coordinate is beyond 1e18"),
+        (patched("[0, 2, 3, 1]", "5"), r"a face is a number, not an array"),
+        (patched("[0, 2, 3, 1]", "[0, 2, 8, 1]"), r"an index into vertices is 8, not a whole number from 0 to 7"),
+        (patched("[0, 2, 3, 1]", "[0, 2, -1, 1]"), r"an index into vertices is -1"),
+        (patched("[0, 2, 3, 1]", "[0, 2, 0.5, 1]"), r"an index into vertices is 0.5"),
+        (patched("[0, 2, 3, 1]", "[0, 2, 0, 1]"), r"a face has the same vertex twice"),
+        (patched("[0, 2, 3, 1]", "[0, 2]"), r"a face has less than three corners"),
+        (patched("[0, 2, 1]", "[0, 2, 1, 3]", TETRAHEDRON), r"Loop's scheme takes triangles only"),
+        (extended(creases=[5]), r"a crease is a number, not an array"),
+        (extended(creases=[[0, 1]]), r"a crease is two vertices and a sharpness, not 2 numbers"),
+        (extended(creases=[[0, 8, 1]]), r"an index into vertices is 8"),
+        (extended(creases=[[1, 1, 1]]), r"an edge has the same vertex twice"),
+        (extended(creases=[[0, 1, -1]]), r"a sharpness is negative"),
+        (extended(creases=[[0, 1, "x"]]), r"a sharpness is a string, not a number"),
+        (extended(creases=[{"vertices": [0, 1]}]), r"a crease has no 'sharpness'"),
+        (extended(creases=[{"sharpness": 1}]), r"a crease has no 'vertices'"),
+        (extended(creases=[{"vertices": [0], "sharpness": 1}]), r"a crease has at least two vertices, not 1"),
+        (extended(creases=[{"vertices": [0, 1], "sharpnes": 1}]), r"a crease has no key 'sharpnes'; did you mean"),
+        (extended(corners=[0]), r"a corner is a number, not an array"),
+        (extended(corners=[[0, 1, 2]]), r"a corner is a vertex and a sharpness, not 3 numbers"),
+        (extended(corners=[[8, 1]]), r"an index into vertices is 8"),
+        (extended(corners=[[0, -1]]), r"a sharpness is negative"),
+        (extended(holes=[6]), r"an index into faces is 6, not a whole number from 0 to 5"),
+        (extended(scheme="lop"), r"'scheme' is 'lop'; did you mean 'loop'\?"),
+        (extended(scheme=1), r"'scheme' is a number, not a string"),
+        (extended(level=0), r"'level' is 0, not a whole number from 1 to 24"),
+        (extended(level=25), r"'level' is 25, not"),
+        (extended(level=1.5), r"'level' is 1.5, not"),
+        (extended(boundary="sharp"), r"'boundary' is 'sharp', which is not known"),
+        (extended(degree=3), r"a geometry of this type has no key 'degree'"),
+        (extended(trim={"circle": {}}), r"a subdivision surface cannot be trimmed"),
+    ]:
+        refuses(Run("info", write("bad.json", text)), 1, r"bad\.json:1:\d+: " + pattern)
+    # the place is exact
+    text = scene(CUBE).replace("[0, 2, 3, 1]", "\n [0, 2,\n  9, 1]")
+    refuses(Run("info", write("bad.json", text)), 1, r"bad\.json:3:3: an index into vertices is 9")
+
+    write("good.obj", obj(CUBE))
+    write("good.bpt", bpt([(1, 1, SADDLE["patches"][0])]))
+    for geometry, pattern in [
+        ({}, r"good\.obj:9:1: polygons are read as a cage only: add \"as\": \"subdivision\" to the geometry"),
+        ({"as": "patches"}, r"bad\.json:1:\d+: 'as' is 'patches', which is not known"),
+        ({"as": "subdivision", "level": 25}, r"bad\.json:1:\d+: 'level' is 25"),
+        ({"as": "subdivision", "scheme": "loop"}, r"good\.obj:9:1: Loop's scheme takes triangles only"),
+        ({"as": "subdivision", "trim": {"circle": {}}}, r"bad\.json:1:\d+: a subdivision surface cannot be trimmed"),
+        ({"as": "subdivision", "path": "good.bpt"}, r"bad\.json:1:\d+: the file has no polygons"),
+        ({"scheme": "loop"}, r"bad\.json:1:\d+: 'scheme' goes with \"as\": \"subdivision\""),
+        ({"level": 3, "path": "good.bpt"}, r"bad\.json:1:\d+: 'level' goes with"),
+        ({"boundary": "none"}, r"bad\.json:1:\d+: 'boundary' goes with"),
+        ({"as": "subdivision", "faces": []}, r"bad\.json:1:\d+: a geometry of this type has no key 'faces'"),
+    ]:
+        refuses(Run("info", write("bad.json", scene({"type": "file", "path": "good.obj", **geometry}))), 1, pattern)
+
+
+def test_bad_obj():
+    square = {"vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "faces": [[0, 1, 2, 3]]}
+    good = obj(square)
+    works(Run("info", write("good.obj", good)))
+    for text, pattern in [
+        ("", r": there are no faces in the file"),
+        ("v 0 0 0\n", r": there are no faces in the file"),
+        ("v 0 0\n", r":1:6: the line ends before a coordinate"),
+        ("v 0 0 \\\n\n0", r":2:1: the line ends before a coordinate"),
+        ("v 0 0 # 0\n", r":1:10: the line ends before a coordinate"),
+        ("v 0 0 0\n v 0 0x 0\n", r":2:6: '0x' is not a coordinate"),
+        ("v 0 0 0 \u00fc\n", r":1:9: '\u00fc' is not a number"),
+        ("# \u00fc\nv 0 \\\n\u00fc", r":3:1: '\u00fc' is not a coordinate"),
+        ("v 0 nan 0\n", r":1:1: a coordinate is not finite"),
+        ("v 0 1e999 0\n", r":1:1: a coordinate is not finite"),
+        ("v 0 0 -2e18\n", r":1:1: a coordinate is beyond 1e18"),
+        (good + "f 1 2 5\n", r":6:7: there is no vertex 5: 4 are defined above"),
+        (good + "f 1 -5 2\n", r":6:5: there is no vertex -5: 4 are defined above"),
+        (good + "f 0 1 2\n", r":6:3: there is no vertex 0: 4 are defined above"),
+        ("f 1 2 3\n" + good, r":1:3: there is no vertex 1: 0 are defined above"),
+        (good + "f 1 2 99999999999999999999\n", r":6:7: there is no vertex 99999999999999999999: 4"),
+        (good + "f 1 2 -99999999999999999999/1\n", r":6:7: there is no vertex -99999999999999999999: 4"),
+        (good + "f 1 2 x\n", r":6:7: 'x' is not a corner of a face"),
+        (good + "f 1 2 /3\n", r":6:7: '/3' is not a corner of a face"),
+        (good + "f 1 2 3/1/1/1\n", r":6:7: '3/1/1/1' is not a corner of a face"),
+        (good + "f 1 2 3/x\n", r":6:7: '3/x' is not a corner of a face"),
+        (good + "f 1 2 3.5\n", r":6:7: '3.5' is not a corner of a face"),
+        (good + "f 1 2 -3\n", r":6:7: a face has the same vertex twice"),
+        (good + "f 1 2\n", r":6:1: a face has less than three corners"),
+        (good + "f\n", r":6:1: a face has less than three corners"),
+        ("\x7fELF\x02\x01", r": there are no faces in the file"),
+        (good + "t\n", r":6:2: the line ends before the name of a tag"),
+        (good + "t crease\n", r":6:9: the line ends before three counts of arguments, as in 2/1/0"),
+        (good + "t crease 2/1\n", r":6:10: '2/1' is not three counts of arguments"),
+        (good + "t crease 2/1/-1\n", r":6:10: '2/1/-1' is not three counts"),
+        (good + "t crease 2/1/0/1\n", r":6:10: '2/1/0/1' is not three counts"),
+        (good + "t crease 3/1/0 0 1 2 1\n", r":6:10: a crease has an odd number of vertices, 3"),
+        (good + "t crease 4/3/0 0 1 1 2 1 1 1\n", r":6:10: a tag of this kind has 4/1/0 arguments, not 4/3/0"),
+        (good + "t crease 2/1/0 0 1\n", r":6:19: the line ends before a sharpness"),
+        (good + "t crease 2/1/0 0\n", r":6:17: the line ends before a vertex"),
+        (good + "t crease 2/1/0 0 1 2 3\n", r":6:22: the line goes on after the arguments of the tag"),
+        (good + "t crease 2/1/0 0 1.5 1\n", r":6:18: '1.5' is not a vertex"),
+        (good + "t crease 2/1/0 0 4 1\n", r":6:18: there is no vertex 4; they count from 0 to 3"),
+        ("# first\nt crease 2/1/0 0 -1 1\n" + good, r":2:18: there is no vertex -1; they count from 0 to 3"),
+        (good + "t crease 2/1/0 2 2 1\n", r":6:18: an edge has the same vertex twice"),
+        (good + "t crease 2/1/0 0 1 -1\n", r":6:20: a sharpness is negative"),
+        (good + "t crease 2/1/0 0 1 nan\n", r":6:20: a sharpness is not a number"),
+        (good + "t crease 2/1/0 0 1 x\n", r":6:20: 'x' is not a sharpness"),
+        (good + "t corner 2/1/1 0 1 1 x\n", r":6:10: a tag of this kind has 2/1/0 arguments, not 2/1/1"),
+        (good + "t corner 1/1/0 4 1\n", r":6:16: there is no vertex 4"),
+        (good + "t corner 2/2/0 0 1 1 -2\n", r":6:22: a sharpness is negative"),
+        (good + "t hole 1/0/0 1\n", r":6:14: there is no face 1; they count from 0 to 0"),
+        (good + "t hole 1/1/0 0 1\n", r":6:8: a tag of this kind has 1/0/0 arguments, not 1/1/0"),
+        (good + "t interpolateboundary 1/0/0 3\n", r":6:29: there is no boundary 3; they count from 0 to 2"),
+        (good + "t interpolateboundary 2/0/0 0 0\n", r":6:23: a tag of this kind has 1/0/0 arguments"),
+        (good + "t creasemethod 0/0/1 odd\n", r":6:22: 'odd' is not 'normal' or 'chaikin'"),
+        (good + "t smoothtriangles 0/0/1 odd\n", r":6:25: 'odd' is not 'catmark' or 'smooth'"),
+        (good + "t smoothtriangles 1/0/0 7\n", r":6:25: '7' is not '0' or '1'"),
+        (good + "\0", r":6:1: a zero byte in a text file"),
+    ]:
+        refuses(Run("info", write("bad.obj", text.encode())), 1, r"bad\.obj" + pattern)
+    for word in ("cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end",
+                 "con"):
+        refuses(Run("info", write("bad.obj", f"# x\n {word} 1 2\n" + good)), 1,
+                rf"bad\.obj:2:2: '{word}': free-form curves and surfaces are not read yet")
+    start = time.time()
+    refuses(Run("info", write("bad.obj", good + "t hole 4000000000/0/0 0 0\n")), 1, r":6:26: the line ends")
+    check(time.time() - start < 5, "a promise of many holes takes long")
+    refuses(Run("info", write("bad.obj", f"{good}f {' '.join(map(str, range(1, 5)))} {'1 ' * 70000}\n")), 1,
+            "a face has the same vertex twice")
+    many = "".join(f"v {i} 0 0\n" for i in range(65536)) + "f " + " ".join(str(i + 1) for i in range(65536))
+    refuses(Run("info", write("bad.obj", many)), 1, r":65537:1: a face has more than 65535 corners")
+    refuses(Run("info", "missing.obj"), 1, r"missing\.obj: cannot open")
 
 
 def test_files():
@@ -820,6 +1038,27 @@ def test_odd_trims():
         if works(r):
             leaves = json.loads(r.out)["geometries"][0]["leaves"]
             check(leaves < 100, f"{leaves} leaves")
+
+
+def test_bench_cages():
+    """Of a cage Embree's grids and its own subdivision are measured, too, and are the same surface."""
+    r = Run("bench", write("cage.json", scene(CUBE)), "--json", "--workloads", "primary1,random16", *BENCH)
+    if works(r):
+        b = json.loads(r.out)
+        triangles = b["tessellation"]
+        for form in ("grids", "subdivision"):
+            check([s["n"] for s in b[form]] == [s["n"] for s in triangles], f"bench: {form} {b[form]}")
+            for s, t in zip(b[form], triangles):
+                for key in ("max_position_error", "max_normal_error_degrees"):
+                    check(.5 < s[key] / t[key] < 2, f"bench: {form} have {key} {s[key]}, triangles {t[key]}")
+                check(close([s["hits"][k] for k in s["hits"]], [t["hits"][k] for k in s["hits"]], .01),
+                      f"bench: {form} have hits {s['hits']}, triangles {t['hits']}")
+        check(triangles[0]["triangles"] == 6 * 2 * 64, f"bench: triangles of a cage {triangles[0]}")
+    r = Run("bench", "cage.json", "--workloads", "primary1", *BENCH)
+    for row in ("grids 16×16", "subdivision 16×16", "patches / grids 16×16", "patches / subdivision 16×16"):
+        check(f"\n{row} " in r.out.decode(), f"bench: no row {row} in {r.out.decode()}")
+    r = Run("bench", write("loop.json", scene(TETRAHEDRON)), "--json", "--workloads", "primary1", *BENCH)
+    check(works(r) and "grids" not in json.loads(r.out), "bench: Embree knows no Loop subdivision")
 
 
 def test_bench_trims():

@@ -3,7 +3,8 @@
  * SPDX-License-Identifier: Apache-2.0
  *
  * A subject is a way to represent the scene: the exact patches, the patches with a callback that costs next to nothing
- * (the limit), or a tessellation. A workload is a set of rays and a way to send them. Every subject answers the same
+ * (the limit), or a tessellation: of triangles, and where the scene is a cage, of Embree's grids and by Embree's own
+ * subdivision. A workload is a set of rays and a way to send them. Every subject answers the same
  * rays. A run builds every subject and measures every workload on it; a figure is the median of the runs. */
 #ifndef EPATCH_BENCH_H
 #define EPATCH_BENCH_H
@@ -29,7 +30,8 @@ enum {
     BENCH_COLUMNS_MAX = 2,  /* numbers of threads measured in one go: one, and all */
     BENCH_FIRST_GRID = 8,   /* the coarsest tessellation                           */
     BENCH_LAST_GRID = 8192, /* the finest                                          */
-    BENCH_GRIDS_MAX = 11    /* powers of two from first to last                    */
+    BENCH_GRIDS_MAX = 11,   /* powers of two from first to last                    */
+    BENCH_FORMS = 3         /* of tessellations                                    */
 };
 
 /* One quantity over the runs. */
@@ -46,8 +48,9 @@ typedef struct bench_column {
 } bench_column;
 
 typedef struct bench_subject {
-    unsigned n;   /* steps a patch of a tessellation; 0: no tessellation */
-    world *world; /* NULL for the limit, and when it is not its turn     */
+    unsigned n;      /* steps a patch of a tessellation; 0: no tessellation */
+    world_form form; /* of a tessellation                                   */
+    world *world;    /* NULL for the limit, and when it is not its turn     */
     RTCScene rtc;
     size_t triangles, bytes;             /* bytes: ours and Embree's */
     double position_error, normal_error; /* largest; relative to the diagonal, in degrees */
@@ -74,6 +77,14 @@ typedef struct bench_options {
     EPBuildSettings build;
 } bench_options;
 
+/* Tessellations of one form, each twice as fine as the one before. */
+typedef struct bench_family {
+    world_form form;
+    bench_subject grids[BENCH_GRIDS_MAX];
+    unsigned count; /* all that memory allows, until one is as exact as the patches */
+    bool matched;   /* the last one is                                              */
+} bench_family;
+
 typedef struct bench_limit bench_limit;
 
 typedef struct bench {
@@ -82,15 +93,18 @@ typedef struct bench {
     bench_rays rays;
     double diagonal;
     bench_subject patches, limit;
-    bench_subject grids[BENCH_GRIDS_MAX];
-    unsigned grid_count; /* all that memory allows, until one is as exact as the patches */
-    bool matched;        /* the last one is                                            */
+    bench_family families[BENCH_FORMS]; /* triangles first */
+    unsigned family_count;
     bench_limit *limit_scene;
 } bench;
 
 /* bench_run.c: builds, measures. False after a message; bench_free in any case. */
 bool bench_run(bench *b, const scene *s, const bench_options *o);
 void bench_free(bench *b);
+
+/* What is called what, in figures for people: "triangles", "grids", "subdivision". */
+extern const char *const bench_form_names[BENCH_FORMS];
+const bench_subject *bench_finest(const bench_family *f);
 
 /* bench_figure.c */
 void bench_add(bench_figure *f, double value);

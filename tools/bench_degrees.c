@@ -84,7 +84,7 @@ static scene *new_scene(unsigned n, kind k)
 
 static bool build(degree *d, const bench_options *o)
 {
-    const world_options w = {o->threads[0], 0, 2 * EYE_HEIGHT, o->build};
+    const world_options w = {.threads = o->threads[0], .ray_distance = 2 * EYE_HEIGHT, .build = o->build};
     d->scene = new_scene(d->n, d->kind);
     if (!d->scene) report_no_memory(NULL);
     d->world = d->scene ? world_new(d->scene, &w) : NULL;

@@ -34,13 +34,13 @@ static void cross(const double a[3], const double b[3], double r[3])
 }
 
 /* The angle in degrees; 180 for something that is no normal. At a pole the exact normal is the limit from inside. */
-static double normal_error(const placed_patch *p, const double point[3], foot f, const float Ng[3])
+static double normal_error(const placed_chart *p, const double point[3], foot f, const float Ng[3])
 {
     const double h[3] = {(double)Ng[0], (double)Ng[1], (double)Ng[2]};
     double n[3], sine[3];
     cross(f.du, f.dv, n);
     if (!(dot(n, n) > 1e-20 * dot(f.du, f.du) * dot(f.dv, f.dv))) {
-        const double inside = 1e-6, middle = p->kind == PATCH_TRIANGLE ? 1.0 / 3 : 0.5;
+        const double inside = 1e-6, middle = p->chart.kind == PATCH_TRIANGLE ? 1.0 / 3 : 0.5;
         f = foot_at(p, point, f.u + inside * (middle - f.u), f.v + inside * (middle - f.v));
         cross(f.du, f.dv, n);
     }
@@ -56,10 +56,12 @@ typedef struct errors {
 /* Raises the largest errors so far to those of one hit. */
 static void judge(const world *w, const trace_ray *ray, const world_hit *hit, errors *worst)
 {
-    const placed_patch p = place_patch(w, hit->geomID, hit->primID);
+    const scene_geometry *g = &w->scene->geometries[w->scene->objects[hit->geomID].geometry];
+    const placed_chart p = place_chart(w, hit->geomID, chart_of(g, hit->primID, (double)hit->u, (double)hit->v));
     double point[3];
     for (int x = 0; x < 3; ++x) point[x] = (double)ray->org[x] + (double)hit->t * (double)ray->dir[x];
-    const foot f = foot_near(&p, point, (double)hit->u, (double)hit->v);
+    const foot f =
+        foot_near(&p, point, ((double)hit->u - p.chart.u0) / p.chart.du, ((double)hit->v - p.chart.v0) / p.chart.dv);
     double distance = sqrt(f.r2);
     if (f.border && distance > worst->position) distance = nearest_distance(w, point, distance);
     worst->position = fmax(worst->position, distance);

@@ -119,23 +119,33 @@ static json_t *limit(const bench *b)
 
 static json_t *matched(const bench *b)
 {
-    const bench_subject *p = &b->patches, *s = &b->grids[b->grid_count - 1];
-    json_t *o = json_pack("{s:i, s:b, s:f, s:f}", "n", (int)s->n, "as_exact", b->matched, "bytes",
+    const bench_subject *p = &b->patches, *s = bench_finest(&b->families[0]);
+    json_t *o = json_pack("{s:i, s:b, s:f, s:f}", "n", (int)s->n, "as_exact", b->families[0].matched, "bytes",
                           (double)p->bytes / (double)s->bytes, "build_seconds",
                           bench_median(&p->columns[0].build) / bench_median(&s->columns[0].build));
     if (!stats_add(o, by_workload(b, s, 0, ratio))) json_decref(o), o = NULL;
     return o;
 }
 
+static json_t *family(const bench *b, const bench_family *f)
+{
+    json_t *grids = json_array();
+    for (unsigned i = 0; i < f->count; ++i)
+        if (json_array_append_new(grids, subject(b, &f->grids[i]))) return json_decref(grids), NULL;
+    return grids;
+}
+
 json_t *bench_json(const bench *b)
 {
     EPStatistics statistics;
     epGetGeometryStatistics(b->patches.world->geometries[0], &statistics);
-    json_t *grids = json_array();
-    for (unsigned i = 0; i < b->grid_count; ++i)
-        if (json_array_append_new(grids, subject(b, &b->grids[i]))) return json_decref(grids), NULL;
-    return json_pack("{s:o, s:o, s:i, s:i, s:I, s:o, s:o, s:o, s:o}", "scene", stats_name(b->scene->path), "machine",
-                     bench_machine_json(statistics.isa), "threads", (int)b->options.threads[0], "runs",
-                     (int)b->options.runs, "rays", (json_int_t)b->rays.count[BENCH_PRIMARY], "tessellation", grids,
-                     "patches", patches(b), "limit", limit(b), "matched", matched(b));
+    json_t *o = json_pack("{s:o, s:o, s:i, s:i, s:I, s:o, s:o, s:o, s:o}", "scene", stats_name(b->scene->path),
+                          "machine", bench_machine_json(statistics.isa), "threads", (int)b->options.threads[0], "runs",
+                          (int)b->options.runs, "rays", (json_int_t)b->rays.count[BENCH_PRIMARY], "tessellation",
+                          family(b, &b->families[0]), "patches", patches(b), "limit", limit(b), "matched", matched(b));
+    for (unsigned k = 1; o && k < b->family_count; ++k) {
+        const bench_family *f = &b->families[k];
+        if (json_object_set_new(o, bench_form_names[f->form], family(b, f))) json_decref(o), o = NULL;
+    }
+    return o;
 }

@@ -108,32 +108,42 @@ static void write_axis(FILE *f, char axis, bool powers, double least, double mos
     fprintf(f, ")\n");
 }
 
+/* Each form of tessellation has a line of its own; triangles, the first, have theirs labelled. */
+static const char *const colours[BENCH_FORMS] = {
+    [WORLD_TRIANGLES] = "#4c78a8", [WORLD_GRIDS] = "#8a6fb0", [WORLD_SUBDIVISION] = "#3d8f5f"};
+
 static void write_panel(FILE *f, const bench *b, const panel *p, unsigned w)
 {
     const double at = b->patches.position_error, here = p->value(&b->patches, w);
-    const double finest =
-        p->value(&b->grids[b->grid_count - 1], w); /* the nearest point: the label keeps away from it */
+    /* the nearest point: the label keeps away from it */
+    const double finest = p->value(bench_finest(&b->families[0]), w);
     double least = here, most = here;
-    fprintf(f, "$grids << EOD\n");
-    for (unsigned i = 0; i < b->grid_count; ++i) {
-        const double y = p->value(&b->grids[i], w);
-        fprintf(f, "%.9g %.9g %u\n", b->grids[i].position_error, y, b->grids[i].n);
-        least = fmin(least, y), most = fmax(most, y);
+    for (unsigned k = 0; k < b->family_count; ++k) {
+        fprintf(f, "$%s << EOD\n", bench_form_names[b->families[k].form]);
+        for (unsigned i = 0; i < b->families[k].count; ++i) {
+            const bench_subject *s = &b->families[k].grids[i];
+            const double y = p->value(s, w);
+            fprintf(f, "%.9g %.9g %u\n", s->position_error, y, s->n);
+            least = fmin(least, y), most = fmax(most, y);
+        }
+        fprintf(f, "EOD\n");
     }
-    fprintf(f, "EOD\nset title '%s'\n", p->title);
+    fprintf(f, "set title '%s'\n", p->title);
     const bool more = p->workload; /* is better */
     fprintf(f, "set label 4 '%s' at graph 0.985,%s right font ',11' tc rgb '#999999'\n", more ? "↑ better" : "↓ better",
             more ? "0.06" : "0.94");
     const double room = 1.2 * pow(most / least, 0.14); /* for the labels */
     write_axis(f, 'y', false, least / room, most * room);
+    fprintf(f, "$patches << EOD\n%.9g %.9g patches\nEOD\nplot %.9g with lines lc rgb '#e8590c' lw 1 dt 3, \\\n", at,
+            here, here);
+    for (unsigned k = 0; k < b->family_count; ++k)
+        fprintf(f, "  $%s using 1:2 with linespoints lc rgb '%s' lw 1.6 pt 7 ps 0.55, \\\n",
+                bench_form_names[b->families[k].form], colours[b->families[k].form]);
     fprintf(f,
-            "$patches << EOD\n%.9g %.9g patches\nEOD\n"
-            "plot %.9g with lines lc rgb '#e8590c' lw 1 dt 3, \\\n"
-            "  $grids using 1:2 with linespoints lc rgb '#4c78a8' lw 1.6 pt 7 ps 0.55, \\\n"
-            "  $grids using 1:2:3 with labels boxed tc rgb '#44586c' font ',11' offset 0,0.75, \\\n"
+            "  $triangles using 1:2:3 with labels boxed tc rgb '#44586c' font ',11' offset 0,0.75, \\\n"
             "  $patches using 1:2 with points lc rgb '#e8590c' pt 7 ps 1.1, \\\n"
             "  $patches using 1:2:3 with labels tc rgb '#c2410c' font ',13' offset 0,%g\n",
-            at, here, here, here < finest ? -1.1 : 1.1);
+            here < finest ? -1.1 : 1.1);
 }
 
 /* Over and under the pictures. */
@@ -143,7 +153,8 @@ static void write_captions(FILE *f, const bench *b)
     EPStatistics statistics;
     char text[400];
     epGetGeometryStatistics(b->patches.world->geometries[0], &statistics);
-    snprintf(text, sizeof text, "%.200s: exact patches, and n × n triangles a patch", b->scene->path);
+    snprintf(text, sizeof text, "%.200s: exact patches, and n × n triangles a %s", b->scene->path,
+             b->family_count > 1 ? "face (blue), Embree's grids (violet) and subdivision (green)" : "patch");
     fprintf(f, "set label 1 ");
     quote(f, text);
     fprintf(f, " at screen 0.012,0.965 left font ',16' noenhanced\nset label 2 ");
@@ -158,10 +169,11 @@ static void write_captions(FILE *f, const bench *b)
 static void write_script(FILE *f, const bench *b, const char *name)
 {
     double least = b->patches.position_error, most = least;
-    for (unsigned i = 0; i < b->grid_count; ++i) {
-        least = fmin(least, b->grids[i].position_error);
-        most = fmax(most, b->grids[i].position_error);
-    }
+    for (unsigned k = 0; k < b->family_count; ++k)
+        for (unsigned i = 0; i < b->families[k].count; ++i) {
+            least = fmin(least, b->families[k].grids[i].position_error);
+            most = fmax(most, b->families[k].grids[i].position_error);
+        }
     fprintf(f,
             "set encoding utf8\nset terminal svg size 1180,640 font 'Helvetica,13' background '#ffffff'\nset output ");
     quote(f, name);

@@ -41,7 +41,7 @@ static void head(table *t, const bench *b, bool first)
 static void row(table *t, const bench *b, const bench_subject *s, unsigned column)
 {
     table_row(t);
-    if (s->n) table_cell(t, "triangles %u×%u", s->n, s->n);
+    if (s->n) table_cell(t, "%s %u×%u", bench_form_names[s->form], s->n, s->n);
     else table_cell(t, s == &b->limit ? "limit" : "patches");
     if (s != &b->limit) {
         if (!column) {
@@ -61,7 +61,8 @@ static void ratios(table *t, const bench *b, const bench_subject *s, unsigned co
 {
     const bench_column *p = &b->patches.columns[column], *q = &s->columns[column];
     table_row(t);
-    table_cell(t, "patches / %u×%u", s->n, s->n);
+    if (s->form == WORLD_TRIANGLES) table_cell(t, "patches / %u×%u", s->n, s->n);
+    else table_cell(t, "patches / %s %u×%u", bench_form_names[s->form], s->n, s->n);
     if (!column) {
         cell_part(t, b->patches.position_error / s->position_error);
         cell_part(t, b->patches.normal_error / s->normal_error);
@@ -88,39 +89,53 @@ static void print_column(const bench *b, unsigned column, bool markdown)
 {
     table t = {0};
     head(&t, b, !column);
-    for (unsigned i = 0; i < b->grid_count; ++i) row(&t, b, &b->grids[i], column);
+    for (unsigned k = 0; k < b->family_count; ++k)
+        for (unsigned i = 0; i < b->families[k].count; ++i) row(&t, b, &b->families[k].grids[i], column);
     row(&t, b, &b->patches, column);
     row(&t, b, &b->limit, column);
     t.apart[t.rows] = true;
-    for (unsigned i = 0; i < b->grid_count; ++i) {
-        const unsigned n = b->grids[i].n;
-        if (n == 64 || n == 256 || i + 1 == b->grid_count) ratios(&t, b, &b->grids[i], column);
+    for (unsigned k = 0; k < b->family_count; ++k) {
+        const bench_family *f = &b->families[k];
+        for (unsigned i = 0; i < f->count; ++i) {
+            const unsigned n = f->grids[i].n;
+            if (n == 64 || n == 256 || i + 1 == f->count) ratios(&t, b, &f->grids[i], column);
+        }
     }
     if (column) scaling(&t, b, column);
     table_print(&t, markdown);
 }
 
-/* How many threads, and how much the runs of a figure differ from its median. */
+/* How much the runs of a figure differ from its median. */
+typedef struct spread {
+    double sum, count, most;
+} spread;
+
+static void add_spread(spread *to, const bench_subject *s, unsigned column)
+{
+    for (unsigned w = 0; w < BENCH_WORKLOADS; ++w) {
+        const bench_figure *f = &s->columns[column].speed[w];
+        for (unsigned r = 0; r < f->runs; ++r) {
+            const double part = fabs(f->run[r] / bench_median(f) - 1);
+            to->sum += part, to->count += 1;
+            to->most = fmax(to->most, part);
+        }
+    }
+}
+
+/* How many threads, and how sure the figures are. */
 static void print_heading(const bench *b, unsigned column)
 {
     const unsigned threads = b->options.threads[column];
-    double sum = 0, count = 0, most = 0;
-    for (unsigned i = 0; i < b->grid_count + 2; ++i) {
-        const bench_subject *s = i < b->grid_count ? &b->grids[i] : i == b->grid_count ? &b->patches : &b->limit;
-        for (unsigned w = 0; w < BENCH_WORKLOADS; ++w) {
-            const bench_figure *f = &s->columns[column].speed[w];
-            for (unsigned r = 0; r < f->runs; ++r) {
-                const double part = fabs(f->run[r] / bench_median(f) - 1);
-                sum += part, count += 1;
-                most = fmax(most, part);
-            }
-        }
-    }
+    spread all = {0};
+    for (unsigned k = 0; k < b->family_count; ++k)
+        for (unsigned i = 0; i < b->families[k].count; ++i) add_spread(&all, &b->families[k].grids[i], column);
+    add_spread(&all, &b->patches, column);
+    add_spread(&all, &b->limit, column);
     printf("Millions of rays a second with %u thread%s: ", threads, threads == 1 ? "" : "s");
     if (b->options.runs == 1) printf("one run.\n\n");
     else
         printf("medians of %u runs, which differ from them by %.1f %% on average, %.0f %% at most.\n\n",
-               b->options.runs, 100 * sum / count, 100 * most);
+               b->options.runs, 100 * all.sum / all.count, 100 * all.most);
 }
 
 /* How much the number of hits differs from another subject's. Bounces and segments do not count: they start on the
@@ -138,18 +153,20 @@ static double difference_of_hits(const bench *b, const bench_subject *s)
 
 static void print_legend(const bench *b)
 {
-    const bench_subject *last = &b->grids[b->grid_count - 1];
-    printf("\n%u×%u triangles a patch are %sas exact as the patches", last->n, last->n, b->matched ? "" : "not ");
-    if (!b->matched && last->n < b->options.max_grid)
+    const bool matched = b->families[0].matched, cage = b->family_count > 1;
+    const bench_subject *last = bench_finest(&b->families[0]);
+    printf("\n%u×%u triangles a %s are %sas exact as the patches", last->n, last->n, cage ? "face" : "patch",
+           matched ? "" : "not ");
+    if (!matched && last->n < b->options.max_grid)
         printf("; finer ones take more than %zu MB to build", b->options.memory >> 20);
     const double difference = difference_of_hits(b, last);
     if (difference >= 0)
         printf(".\nPrimary and random rays hit them as often as the patches, to %.2g %% of the rays", 100 * difference);
-    puts(
-        ".\nRatios are medians of what the patches did right before and after a tessellation, by what that did.\n"
-        "1: single rays; 16: packets. Error: the largest distance of a hit from the exact surface, relative to the\n"
-        "scene's diagonal; normal: the largest angle. Memory and build count everything, Embree's part too. Limit:\n"
-        "the hierarchy of the patches with a callback that only meets the leaf's plane.");
+    puts(".\nRatios are medians of what the patches did right before and after a tessellation, by what that did.\n"
+         "1: single rays; 16: packets. Error: the largest distance of a hit from the exact surface, relative to the\n"
+         "scene's diagonal; normal: the largest angle. Memory and build count everything, Embree's part too. Limit:\n"
+         "the hierarchy of the patches with a callback that only meets the leaf's plane.");
+    if (cage) puts("Grids and subdivision: Embree's own geometries of the same cage.");
 }
 
 void bench_print(const bench *b, bool markdown)

@@ -8,6 +8,7 @@
  * The first run also measures the errors, and ends with the first tessellation that is as exact as the patches, or with
  * the last that fits into memory; so do the others. */
 #include "tools/bench.h"
+#include "tools/cage_embree.h"
 #include "tools/outline.h"
 #include "tools/progress.h"
 #include "tools/report.h"
@@ -30,7 +31,11 @@ static bool build(bench *b, bench_subject *s, unsigned column)
     const scene *scene = b->scene;
     const double reach = outline_reach(scene, NULL);
     const double eye = b->options.scene_camera ? outline_reach(scene, &scene->camera) : 0;
-    const world_options o = {b->options.threads[column], s->n, fmax(reach, eye), b->options.build};
+    const world_options o = {.threads = b->options.threads[column],
+                             .tessellation = s->n,
+                             .form = s->form,
+                             .ray_distance = fmax(reach, eye),
+                             .build = b->options.build};
     world_free(s->world);
     s->world = world_new(scene, &o);
     if (!s->world) return false;
@@ -44,22 +49,55 @@ static size_t count_triangles(const scene *s, unsigned n)
 {
     size_t count = 0;
     for (size_t i = 0; i < s->geometry_count; ++i)
-        for (size_t k = 0; k < s->geometries[i].patch_count; ++k)
-            count += (s->geometries[i].patches[k].kind == PATCH_TENSOR ? 2u : 1u) * (size_t)n * n;
+        for (size_t k = 0; k < chart_count(&s->geometries[i]); ++k)
+            count += (chart_at(&s->geometries[i], k).kind == PATCH_TENSOR ? 2u : 1u) * (size_t)n * n;
     return count;
+}
+
+const char *const bench_form_names[BENCH_FORMS] = {
+    [WORLD_TRIANGLES] = "triangles", [WORLD_GRIDS] = "grids", [WORLD_SUBDIVISION] = "subdivision"};
+
+const bench_subject *bench_finest(const bench_family *f)
+{
+    return &f->grids[f->count - 1];
+}
+
+/* The most steps a chart that Embree takes. */
+static unsigned most_steps(world_form form)
+{
+    return form == WORLD_SUBDIVISION ? 4096 : BENCH_LAST_GRID;
+}
+
+static void plan_family(bench *b, world_form form)
+{
+    bench_family *f = &b->families[b->family_count];
+    f->form = form;
+    for (unsigned n = BENCH_FIRST_GRID; n <= b->options.max_grid && n <= most_steps(form); n *= 2) {
+        const size_t triangles = count_triangles(b->scene, n);
+        if (triangles > b->options.memory / BYTES_A_TRIANGLE || triangles > UINT32_MAX / 2) break;
+        f->grids[f->count++] = (bench_subject){.n = n, .form = form, .triangles = triangles};
+    }
+    b->family_count += f->count > 0;
 }
 
 /* All tessellations that are allowed. */
 static bool plan_grids(bench *b)
 {
-    for (unsigned n = BENCH_FIRST_GRID; n <= b->options.max_grid; n *= 2) {
-        const size_t triangles = count_triangles(b->scene, n);
-        if (triangles > b->options.memory / BYTES_A_TRIANGLE || triangles > UINT32_MAX / 2) break;
-        b->grids[b->grid_count++] = (bench_subject){.n = n, .triangles = triangles};
+    plan_family(b, WORLD_TRIANGLES);
+    if (cage_embree_possible(b->scene)) {
+        plan_family(b, WORLD_GRIDS);
+        plan_family(b, WORLD_SUBDIVISION);
     }
-    if (b->grid_count) return true;
+    if (b->family_count) return true;
     report_file(b->scene->path, "%zu MB (--memory) are too little for any tessellation", b->options.memory >> 20);
     return false;
+}
+
+static unsigned count_grids(const bench *b)
+{
+    unsigned count = 0;
+    for (unsigned i = 0; i < b->family_count; ++i) count += b->families[i].count;
+    return count;
 }
 
 static EPCounters difference(const EPCounters *after, const EPCounters *before)
@@ -114,11 +152,11 @@ static bool trace(const bench *b, const bench_subject *s, unsigned workload, uns
                             bench_trace(s->rtc, w, &b->rays, first, end - first, threads, t));
 }
 
-/* The share of the limit that goes with tessellation `grid`. */
+/* The share of the limit that goes with one of the tessellations, the grid-th. */
 static bool trace_share(const bench *b, unsigned workload, unsigned column, unsigned grid, share *to)
 {
     const size_t first = to->blocks[workload];
-    to->blocks[workload] = all_blocks(b, &b->limit, workload, column) * (grid + 1) / b->grid_count;
+    to->blocks[workload] = all_blocks(b, &b->limit, workload, column) * (grid + 1) / count_grids(b);
     return trace(b, &b->limit, workload, column, first, to->blocks[workload], &to->timing[workload]);
 }
 
@@ -167,20 +205,36 @@ static bool build_patches(bench *b, unsigned column, bool first)
            warm_up(b, &b->limit);
 }
 
-static bool build_grid(bench *b, unsigned grid, unsigned column, bool first)
+static bool build_grid(bench *b, bench_family *f, unsigned grid, unsigned column, bool first)
 {
-    bench_subject *g = &b->grids[grid];
+    bench_subject *g = &f->grids[grid];
     if (!build(b, g, column)) return false;
     if (!first) return true;
     if (!bench_errors(g->world, &b->rays, b->diagonal, g) || !warm_up(b, g)) return false;
-    b->matched = g->position_error <= b->patches.position_error;
-    if (b->matched) b->grid_count = grid + 1;
+    f->matched = g->position_error <= b->patches.position_error;
+    if (f->matched) f->count = grid + 1;
     return true;
 }
 
-static size_t effort(const bench *b, unsigned grid)
+static size_t effort(const bench_subject *g)
 {
-    return b->grids[grid].triangles + BENCH_WORKLOADS * TRIANGLES_A_WORKLOAD;
+    return g->triangles + BENCH_WORKLOADS * TRIANGLES_A_WORKLOAD;
+}
+
+/* One tessellation between the patches, and the limit's share that goes with it. */
+static bool measure_grid(bench *b, bench_subject *g, unsigned number, unsigned column, bench_timing *patches,
+                         share *limit, progress *p)
+{
+    bool done = true;
+    progress_add(p, g->triangles);
+    for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
+        if (is_measured(b, w))
+            done = trace_between(b, g, w, column, &patches[w]) && trace_share(b, w, column, number, limit);
+        progress_add(p, TRIANGLES_A_WORKLOAD);
+    }
+    world_free(g->world);
+    g->world = NULL;
+    return done;
 }
 
 static bool measure(bench *b, unsigned column, bool first, progress *p)
@@ -188,17 +242,11 @@ static bool measure(bench *b, unsigned column, bool first, progress *p)
     bench_timing patches[BENCH_WORKLOADS] = {0};
     share limit = {0};
     bool done = build_patches(b, column, first);
-    for (unsigned i = 0; i < b->grid_count && done; ++i) {
-        bench_subject *g = &b->grids[i];
-        done = build_grid(b, i, column, first);
-        progress_add(p, g->triangles);
-        for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
-            if (is_measured(b, w))
-                done = trace_between(b, g, w, column, &patches[w]) && trace_share(b, w, column, i, &limit);
-            progress_add(p, TRIANGLES_A_WORKLOAD);
-        }
-        world_free(g->world);
-        g->world = NULL;
+    for (unsigned k = 0, number = 0; k < b->family_count; ++k) {
+        bench_family *f = &b->families[k];
+        for (unsigned i = 0; i < f->count && done; ++i, ++number)
+            done =
+                build_grid(b, f, i, column, first) && measure_grid(b, &f->grids[i], number, column, patches, &limit, p);
     }
     for (unsigned w = 0; w < BENCH_WORKLOADS && done; ++w) {
         if (!is_measured(b, w)) continue;
@@ -212,15 +260,21 @@ bool bench_run(bench *b, const scene *s, const bench_options *o)
 {
     *b = (bench){.scene = s, .options = *o};
     if (!plan_grids(b)) return false;
-    const unsigned planned = b->grid_count, turns = o->runs * o->columns;
+    const unsigned turns = o->runs * o->columns;
+    unsigned planned[BENCH_FORMS];
     size_t total = 0;
-    for (unsigned i = 0; i < planned; ++i) total += effort(b, i);
+    for (unsigned k = 0; k < b->family_count; ++k) {
+        planned[k] = b->families[k].count;
+        for (unsigned i = 0; i < planned[k]; ++i) total += effort(&b->families[k].grids[i]);
+    }
     progress p;
     progress_begin(&p, "bench", turns * total);
     bool done = true;
     for (unsigned turn = 0; turn < turns && done; ++turn) {
         done = measure(b, turn % o->columns, !turn, &p);
-        for (unsigned i = b->grid_count; i < planned; ++i) progress_add(&p, effort(b, i));
+        for (unsigned k = 0; k < b->family_count; ++k)
+            for (unsigned i = b->families[k].count; i < planned[k]; ++i)
+                progress_add(&p, effort(&b->families[k].grids[i]));
     }
     progress_end(&p);
     return done;
@@ -230,6 +284,7 @@ void bench_free(bench *b)
 {
     bench_limit_free(b->limit_scene);
     bench_rays_free(&b->rays);
-    for (unsigned i = 0; i < b->grid_count; ++i) world_free(b->grids[i].world);
+    for (unsigned k = 0; k < b->family_count; ++k)
+        for (unsigned i = 0; i < b->families[k].count; ++i) world_free(b->families[k].grids[i].world);
     world_free(b->patches.world);
 }

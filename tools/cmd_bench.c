@@ -134,7 +134,8 @@ int cmd_bench(int argc, char **argv)
     const arg_table table = {"bench SCENE",
                              "Measures exact patches against tessellations, each patch 8 x 8, 16 x 16, ... cells of\n"
                              "Embree triangles until they are as exact as the patches or memory ends: speed, error,\n"
-                             "memory and time to build, all in one run.",
+                             "memory and time to build, all in one run. Of a cage, Embree's grids and its own\n"
+                             "subdivision geometry, too.",
                              no_scene ? NULL : "SCENE",
                              &c.scene,
                              options,

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/args.h"
+#include "tools/cage.h"
 #include "tools/commands.h"
 #include "tools/domain_svg.h"
 #include "tools/report.h"
@@ -68,6 +69,7 @@ static void add_statistics(EPStatistics *total, const EPStatistics *s)
     total->averageDepth += part * (s->averageDepth - total->averageDepth);
     total->averageThickness += part * (s->averageThickness - total->averageThickness);
     if (s->maximumDepth > total->maximumDepth) total->maximumDepth = s->maximumDepth;
+    total->faces += s->faces;
     total->patches += s->patches;
     total->leaves += s->leaves;
     total->uncertified += s->uncertified;
@@ -99,6 +101,11 @@ static void print_sort(const sort *s)
            degree, s->rational ? "rational" : "polynomial");
 }
 
+static void print_cage(const scene_geometry *g)
+{
+    if (g->cage) printf("  %zu faces of a cage of %zu vertices\n", g->cage->face_count, g->cage->vertex_count);
+}
+
 static void print_table(const world *w, const geometry_info *infos, const EPStatistics *total,
                         const trace_result *traced)
 {
@@ -115,6 +122,7 @@ static void print_table(const world *w, const geometry_info *infos, const EPStat
         char number[32];
         snprintf(number, sizeof number, "%zu", i);
         print_row(infos[i].name ? infos[i].name : number, &infos[i].statistics);
+        print_cage(&s->geometries[i]);
         for (size_t k = 0; k < infos[i].sort_count; ++k) print_sort(&infos[i].sorts[k]);
         if (infos[i].copies)
             printf("  and %zu cop%s, where objects put them\n", infos[i].copies, infos[i].copies == 1 ? "y" : "ies");
@@ -138,10 +146,10 @@ static json_t *bounds_json(const float b[6])
 
 static json_t *statistics_json(const EPStatistics *s)
 {
-    return json_pack("{s:I, s:I, s:f, s:i, s:f, s:I, s:f, s:I}", "patches", (json_int_t)s->patches, "leaves",
-                     (json_int_t)s->leaves, "average_depth", s->averageDepth, "maximum_depth", (int)s->maximumDepth,
-                     "average_thickness", s->averageThickness, "uncertified", (json_int_t)s->uncertified,
-                     "setup_seconds", s->buildSeconds, "bytes", (json_int_t)s->bytes);
+    return json_pack("{s:I, s:I, s:I, s:f, s:i, s:f, s:I, s:f, s:I}", "faces", (json_int_t)s->faces, "patches",
+                     (json_int_t)s->patches, "leaves", (json_int_t)s->leaves, "average_depth", s->averageDepth,
+                     "maximum_depth", (int)s->maximumDepth, "average_thickness", s->averageThickness, "uncertified",
+                     (json_int_t)s->uncertified, "setup_seconds", s->buildSeconds, "bytes", (json_int_t)s->bytes);
 }
 
 static json_t *geometry_json(const geometry_info *info)

@@ -4,6 +4,7 @@
 #include "tools/args.h"
 #include "tools/commands.h"
 #include "tools/files.h"
+#include "tools/outline.h"
 #include "tools/render.h"
 #include "tools/report.h"
 #include "tools/shim/image.h"
@@ -15,8 +16,6 @@
 #include <string.h>
 
 /* Enough to know a model's outline when the camera is placed; more would only take time. */
-#define OUTLINE_POINTS 200000
-#define OUTLINE_GRID 6
 
 typedef struct render_command {
     const char *scene, *image, *stats, *panorama;
@@ -25,59 +24,6 @@ typedef struct render_command {
     camera camera;
     world_options world;
 } render_command;
-
-static void transform(const double m[12], const double p[3], double r[3])
-{
-    for (int x = 0; x < 3; ++x) r[x] = m[x] * p[0] + m[3 + x] * p[1] + m[6 + x] * p[2] + m[9 + x];
-}
-
-/* Points of the surfaces in the world, a grid for every patch, or for fewer when there are very many. NULL without
- * memory. */
-static double (*outline_new(const scene *s, const world *w, size_t *count))[3]
-{
-    size_t patches = 0;
-    for (size_t i = 0; i < s->object_count; ++i) patches += s->geometries[s->objects[i].geometry].patch_count;
-    size_t step = 1 + OUTLINE_GRID * OUTLINE_GRID * patches / OUTLINE_POINTS;
-    double(*points)[3] =
-        malloc(sizeof *points * (OUTLINE_GRID * OUTLINE_GRID * (patches / step + s->object_count) + 1));
-    *count = 0;
-    for (size_t i = 0; points && i < s->object_count; ++i) {
-        const scene_object *o = &s->objects[i];
-        const scene_geometry *g = &s->geometries[o->geometry];
-        for (size_t k = 0; k < g->patch_count; k += step)
-            for (int sample = 0; sample < OUTLINE_GRID * OUTLINE_GRID; ++sample) {
-                double u = (sample % OUTLINE_GRID) / (OUTLINE_GRID - 1.0), p[3];
-                double v = (sample / OUTLINE_GRID) / (OUTLINE_GRID - 1.0);
-                if (g->patches[k].kind == PATCH_TRIANGLE) v *= 1 - u;
-                if (epEvaluate(w->geometries[o->geometry], (uint32_t)k, u, v, p, NULL, NULL, NULL) == EP_OK)
-                    transform(o->transform, p, points[(*count)++]);
-            }
-    }
-    return points;
-}
-
-/* The farthest point that a ray can start from: a control point, or the eye. A model frames itself from no farther
- * than a few of its diameters, or 2^-15 of its distance from the origin. */
-static double farthest_origin(const scene *s, const camera *c)
-{
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t i = 0; i < s->object_count; ++i) {
-        const scene_geometry *g = &s->geometries[s->objects[i].geometry];
-        for (size_t k = 0; k < g->point_count; ++k) {
-            double p[3];
-            transform(s->objects[i].transform, g->points + 4 * k, p);
-            for (int x = 0; x < 3; ++x) lower[x] = fmin(lower[x], p[x]), upper[x] = fmax(upper[x], p[x]);
-        }
-    }
-    double corner = 0, diameter = 0, eye = 0;
-    for (int x = 0; x < 3 && lower[0] <= upper[0]; ++x) {
-        corner += fmax(lower[x] * lower[x], upper[x] * upper[x]);
-        diameter += (upper[x] - lower[x]) * (upper[x] - lower[x]);
-    }
-    if (!c) return (1 + 0x1p-14) * sqrt(corner) + 8 * sqrt(diameter);
-    for (int x = 0; x < 3; ++x) eye += c->eye[x] * c->eye[x];
-    return sqrt(fmax(corner, eye));
-}
 
 static bool write_stats(const render_command *c, const world *w, const render_result *r)
 {
@@ -111,16 +57,16 @@ static bool draw(const render_command *c, const world *w, const view *v, const l
     return done;
 }
 
-static bool frame_and_draw(const render_command *c, const scene *s, const world *w, const camera *given, output *image)
+static bool frame_and_draw(const render_command *c, const world *w, const camera *given, output *image)
 {
     camera cam;
     if (given) {
         cam = *given;
     } else {
         size_t count;
-        double(*points)[3] = outline_new(s, w, &count);
+        double(*points)[3] = outline_new(w, &count);
         if (!points) return report_no_memory(c->scene), false;
-        cam = camera_framing((const double(*)[3])points, count, c->up, c->size[0], c->size[1]);
+        cam = camera_framing((const double(*)[3])points, count, c->up ? c->up : w->scene->up, c->size[0], c->size[1]);
         free(points);
     }
     view v;
@@ -146,9 +92,9 @@ static bool run(render_command *c)
     if (s) {
         const camera *given = c->has_camera ? &c->camera : s->has_camera ? &s->camera : NULL;
         c->world.threads = c->threads;
-        c->world.ray_distance = farthest_origin(s, given);
+        c->world.ray_distance = outline_reach(s, given);
         w = world_new(s, &c->world);
-        if (w) done = frame_and_draw(c, s, w, given, &image);
+        if (w) done = frame_and_draw(c, w, given, &image);
     }
     if (image.file) output_discard(&image); /* it did not come to writing */
     world_free(w);
@@ -161,7 +107,7 @@ int cmd_render(int argc, char **argv)
     static const char *const sets[] = {NULL, "plain", "avx2", "avx512"};
     render_command c = {.size = {1280, 720}, .spp = 16, .world.build = epDefaultBuildSettings()};
     double placed[10] = {[9] = NAN};
-    unsigned up = 1, isa = 0;
+    unsigned up = 0, isa = 0;
     bool on_demand = false;
     const arg_option options[] = {
         ARG_STRING("-o, --output", "IMAGE", &c.image, "the picture; its extension says the format"),
@@ -169,7 +115,7 @@ int cmd_render(int argc, char **argv)
         ARG_UNSIGNED("--spp", "N", &c.spp, 1, 65536, "samples a pixel (16)"),
         ARG_DOUBLES("--camera", "ex,ey,ez,tx,ty,tz,ux,uy,uz,fov", placed, 10,
                     "eye, target, up, vertical angle in degrees\n(the scene's, else one that frames the model)"),
-        ARG_CHOICE("--up", "y|z", &up, "the axis that is up when the model is framed (z)"),
+        ARG_CHOICE("--up", "auto|y|z", &up, "the axis that is up when the model is framed (y for\n.obj files, else z)"),
         ARG_FLAG("--ground", &c.ground, "a floor under the model, to catch its shadow"),
         ARG_STRING("--environment", "IMAGE", &c.panorama,
                    "a panorama to light the scene with (latitude-\nlongitude) in place of a studio"),
@@ -209,7 +155,7 @@ int cmd_render(int argc, char **argv)
         if (!view_of_camera(&v, &c.camera, c.size[0], c.size[1]))
             return args_wrong(&table, "--camera: the eye is the target");
     }
-    c.up = up ? 2 : 1;
+    c.up = up;
     c.world.build.isa = sets[isa];
     c.world.build.onDemand = on_demand;
     return run(&c) ? 0 : 1;

@@ -88,8 +88,9 @@ static bool read_patches(text *t, scene_geometry *g)
     return false;
 }
 
-bool model_read_bpt(const char *path, scene_geometry *g)
+bool model_read_bpt(const char *path, const model_options *o, scene_geometry *g)
 {
+    (void)o;
     size_t size;
     char *data = input_read(path, &size);
     if (!data) return false;

@@ -6,29 +6,28 @@
 
 #include "tools/world.h"
 
-/* A patch where an object puts it. */
-typedef struct placed_patch {
+/* A chart where an object puts it. */
+typedef struct placed_chart {
     EPGeometry geometry;
-    uint32_t index;
-    patch_kind kind;
+    struct chart chart;
     double m[12]; /* as Embree got it: rounded to float */
-} placed_patch;
+} placed_chart;
 
-placed_patch place_patch(const world *w, size_t object, size_t patch);
+placed_chart place_chart(const world *w, size_t object, size_t index);
 
-/* A point S(u,v) of a patch, seen from another point P. */
+/* A point S(u,v) of a chart, u and v in [0,1], seen from another point P. */
 typedef struct foot {
     double u, v, r[3], du[3], dv[3]; /* r = S(u,v) - P, in the world */
     double r2;                       /* |r|² */
     bool border;                     /* u,v is at the border of the domain */
 } foot;
 
-foot foot_at(const placed_patch *p, const double point[3], double u, double v);
+foot foot_at(const placed_chart *p, const double point[3], double u, double v);
 
-/* The foot of `point` on the patch: a local minimum of the distance within the domain, reached from u, v. */
-foot foot_near(const placed_patch *p, const double point[3], double u, double v);
+/* The foot of `point` on the chart: a local minimum of the distance within the domain, reached from u, v. */
+foot foot_near(const placed_chart *p, const double point[3], double u, double v);
 
-/* The distance from `point` to the nearest of all patches, if it is less than `within`; else `within`. */
+/* The distance from `point` to the nearest of all charts, if it is less than `within`; else `within`. */
 double nearest_distance(const world *w, const double point[3], double within);
 
 #endif

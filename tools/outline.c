@@ -18,28 +18,30 @@ static void transform(const double m[12], const double p[3], double r[3])
 double (*outline_new(const world *w, size_t *count))[3]
 {
     const scene *s = w->scene;
-    size_t patches = 0;
-    for (size_t i = 0; i < s->object_count; ++i) patches += s->geometries[s->objects[i].geometry].patch_count;
-    size_t step = 1 + OUTLINE_GRID * OUTLINE_GRID * patches / OUTLINE_POINTS;
-    double(*points)[3] =
-        malloc(sizeof *points * (OUTLINE_GRID * OUTLINE_GRID * (patches / step + s->object_count) + 1));
+    size_t charts = 0;
+    for (size_t i = 0; i < s->object_count; ++i) charts += chart_count(&s->geometries[s->objects[i].geometry]);
+    size_t step = 1 + OUTLINE_GRID * OUTLINE_GRID * charts / OUTLINE_POINTS;
+    double(*points)[3] = malloc(sizeof *points * (OUTLINE_GRID * OUTLINE_GRID * (charts / step + s->object_count) + 1));
     *count = 0;
     for (size_t i = 0; points && i < s->object_count; ++i) {
         const scene_object *o = &s->objects[i];
         const scene_geometry *g = &s->geometries[o->geometry];
-        for (size_t k = 0; k < g->patch_count; k += step)
+        for (size_t k = 0; k < chart_count(g); k += step)
             for (int sample = 0; sample < OUTLINE_GRID * OUTLINE_GRID; ++sample) {
+                const chart c = chart_at(g, k);
                 double u = (sample % OUTLINE_GRID) / (OUTLINE_GRID - 1.0), p[3];
                 double v = (sample / OUTLINE_GRID) / (OUTLINE_GRID - 1.0);
-                if (g->patches[k].kind == PATCH_TRIANGLE) v *= 1 - u;
-                if (epEvaluate(w->geometries[o->geometry], (uint32_t)k, u, v, p, NULL, NULL, NULL) == EP_OK)
+                if (c.kind == PATCH_TRIANGLE) v *= 1 - u;
+                chart_place(&c, u, v, &u, &v);
+                if (epEvaluate(w->geometries[o->geometry], c.face, u, v, p, NULL, NULL, NULL) == EP_OK)
                     transform(o->transform, p, points[(*count)++]);
             }
     }
     return points;
 }
 
-/* An eye that frames the scene is no farther from it than a few of its diameters. */
+/* An eye that frames the scene is no farther from it than a few of its diameters, or 2^-15 of its distance from the
+ * origin. */
 double outline_reach(const scene *s, const camera *c)
 {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -56,7 +58,7 @@ double outline_reach(const scene *s, const camera *c)
         corner += fmax(lower[x] * lower[x], upper[x] * upper[x]);
         diameter += (upper[x] - lower[x]) * (upper[x] - lower[x]);
     }
-    if (!c) return sqrt(corner) + 8 * sqrt(diameter);
+    if (!c) return (1 + 0x1p-14) * sqrt(corner) + 8 * sqrt(diameter);
     for (int x = 0; x < 3; ++x) eye += c->eye[x] * c->eye[x];
     return sqrt(fmax(corner, eye));
 }

@@ -24,12 +24,13 @@
 
 typedef struct model_format {
     const char *extension;
-    bool (*read)(const char *path, scene_geometry *g);
+    bool (*read)(const char *path, const model_options *o, scene_geometry *g);
+    unsigned up;
 } model_format;
 
 static const model_format formats[] = {
-    {".bpt", model_read_bpt}, {".obj", NULL}, {".step", NULL}, {".stp", NULL},
-    {".iges", NULL},          {".igs", NULL}, {".brep", NULL},
+    {".bpt", model_read_bpt, 2}, {".obj", model_read_obj, 1}, {".step", NULL, 2}, {".stp", NULL, 2},
+    {".iges", NULL, 2},          {".igs", NULL, 2},           {".brep", NULL, 2},
 };
 
 static const char *extension(const char *path)
@@ -38,18 +39,25 @@ static const char *extension(const char *path)
     return dot && dot != name ? dot : "";
 }
 
-bool model_read(const char *path, scene_geometry *g)
+/* NULL when there is none. */
+static const model_format *format_of(const char *path)
 {
     const char *e = extension(path);
-    for (size_t i = 0; i < ARG_COUNT(formats); ++i) {
-        if (strcasecmp(e, formats[i].extension)) continue;
-        if (formats[i].read) return formats[i].read(path, g);
-        return report_file(path, "%s files are not supported yet", formats[i].extension), false;
-    }
+    for (size_t i = 0; i < ARG_COUNT(formats); ++i)
+        if (!strcasecmp(e, formats[i].extension)) return &formats[i];
+    return NULL;
+}
+
+bool model_read(const char *path, const model_options *o, scene_geometry *g)
+{
+    const model_format *f = format_of(path);
+    if (f && f->read) return f->read(path, o, g);
+    if (f) return report_file(path, "%s files are not supported yet", f->extension), false;
     struct stat st;
     if (stat(path, &st)) return report_file(path, "cannot open: %s", strerror(errno)), false;
     if (S_ISDIR(st.st_mode)) return report_file(path, "cannot read: %s", strerror(EISDIR)), false;
-    return report_file(path, "'%s' is no kind of file that is known here; try .json or .bpt", e), false;
+    return report_file(path, "'%s' is no kind of file that is known here; try .json, .bpt or .obj", extension(path)),
+           false;
 }
 
 size_t patch_point_count(patch_kind kind, unsigned degree_u, unsigned degree_v)
@@ -68,20 +76,24 @@ static void *grow(void *items, size_t size, size_t count, size_t more)
     return after <= SIZE_MAX / size ? realloc(items, after * size) : NULL;
 }
 
+double *geometry_add_points(scene_geometry *g, size_t count)
+{
+    double *points = grow(g->points, 4 * sizeof *points, g->point_count, count);
+    if (!points) return NULL;
+    g->points = points;
+    g->point_count += count;
+    return points + 4 * (g->point_count - count);
+}
+
 double *geometry_add_patch(scene_geometry *g, patch_kind kind, unsigned degree_u, unsigned degree_v)
 {
-    size_t n = patch_point_count(kind, degree_u, degree_v);
     patch *patches = grow(g->patches, sizeof *patches, g->patch_count, 1);
     if (!patches) return NULL;
     g->patches = patches;
-
-    double *points = grow(g->points, 4 * sizeof *points, g->point_count, n);
-    if (!points) return NULL;
-    g->points = points;
-
-    patches[g->patch_count++] = (patch){kind, degree_u, degree_v, g->point_count, false, NULL, NULL};
-    g->point_count += n;
-    return points + 4 * (g->point_count - n);
+    const size_t first = g->point_count;
+    double *points = geometry_add_points(g, patch_point_count(kind, degree_u, degree_v));
+    if (points) patches[g->patch_count++] = (patch){kind, degree_u, degree_v, first, false, NULL, NULL};
+    return points;
 }
 
 const char *point_problem(const double p[4])
@@ -141,7 +153,10 @@ static bool read_model_scene(scene *s)
     s->geometries = calloc(1, sizeof *s->geometries);
     if (!s->geometries) return report_no_memory(s->path), false;
     s->geometry_count = 1;
-    return model_read(s->path, s->geometries);
+    const model_options usual = {true, CAGE_CATMULL_CLARK, CAGE_LEVEL_DEFAULT, NULL};
+    const model_format *f = format_of(s->path);
+    if (f) s->up = f->up;
+    return model_read(s->path, &usual, s->geometries);
 }
 
 scene *scene_read(const char *path)
@@ -153,6 +168,7 @@ scene *scene_read(const char *path)
         scene_free(s);
         return NULL;
     }
+    s->up = 2;
     const char *e = extension(path);
     bool json = !*e || !strcasecmp(e, ".json");
     bool done = json ? scene_read_json(path, s) : read_model_scene(s);
@@ -161,6 +177,64 @@ scene *scene_read(const char *path)
     if (done && scene_place(s)) return s;
     scene_free(s);
     return NULL;
+}
+
+size_t chart_count(const scene_geometry *g)
+{
+    return g->charts ? g->chart_count : g->patch_count;
+}
+
+chart chart_at(const scene_geometry *g, size_t i)
+{
+    if (g->charts) return g->charts[i];
+    return (chart){g->patches[i].kind, (uint32_t)i, 0, 0, 1, 1, i, 1};
+}
+
+void chart_place(const chart *c, double s, double t, double *u, double *v)
+{
+    *u = c->u0 + c->du * s;
+    *v = c->v0 + c->dv * t;
+}
+
+/* How far (s, t) is outside the unit square or triangle. */
+static double outside(patch_kind kind, double s, double t)
+{
+    return fmax(fmax(fmax(-s, -t), (kind == PATCH_TRIANGLE ? s + t : fmax(s, t)) - 1), 0);
+}
+
+size_t chart_of(const scene_geometry *g, uint32_t face, double u, double v)
+{
+    if (!g->charts) return face;
+    size_t low = 0, high = g->chart_count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (g->charts[middle].face < face) low = middle + 1;
+        else high = middle;
+    }
+    size_t best = low;
+    double least = INFINITY;
+    for (size_t i = low; i < g->chart_count && g->charts[i].face == face; ++i) {
+        const chart *c = &g->charts[i];
+        const double out = outside(c->kind, (u - c->u0) / c->du, (v - c->v0) / c->dv);
+        if (out < least) least = out, best = i;
+    }
+    return best;
+}
+
+size_t patch_of(const scene_geometry *g, uint32_t face, double *u, double *v)
+{
+    if (!g->charts) return face;
+    const chart c = g->charts[chart_of(g, face, *u, *v)];
+    size_t best = c.first;
+    double least = INFINITY, at[2] = {0, 0};
+    for (size_t i = c.first; i < c.first + c.count; ++i) {
+        const double *m = g->places[i], det = m[0] * m[3] - m[1] * m[2], x = *u - m[4], y = *v - m[5];
+        const double s = (m[3] * x - m[2] * y) / det, t = (m[0] * y - m[1] * x) / det;
+        const double out = outside(c.kind, s, t);
+        if (out < least) least = out, best = i, at[0] = s, at[1] = t;
+    }
+    *u = at[0], *v = at[1];
+    return best;
 }
 
 size_t scene_originals(const scene *s)
@@ -178,6 +252,9 @@ static void geometry_free(scene_geometry *g)
     for (size_t i = 0; i < g->shape_count; ++i) shape_free(g->shapes[i]);
     free(g->shapes);
     free(g->patches);
+    free(g->places);
+    free(g->charts);
+    cage_free(g->cage);
     free(g->name);
 }
 

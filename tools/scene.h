@@ -9,6 +9,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef enum patch_kind { PATCH_TRIANGLE, PATCH_TENSOR } patch_kind;
 
@@ -22,13 +23,27 @@ typedef struct patch {
     struct trim_shape *shape;    /* the same as it is written, for the reference; the geometry's */
 } patch;
 
+/* What a user sees as one surface over a rectangle, or (PATCH_TRIANGLE) over the half of it next to its first corner:
+ * a patch, or the part of a face that several patches make. */
+typedef struct chart {
+    patch_kind kind;
+    uint32_t face;         /* the primID of hits                */
+    double u0, v0, du, dv; /* the rectangle, in the face's parameters */
+    size_t first, count;   /* its patches                       */
+} chart;
+
 typedef struct scene_geometry {
     const struct scene_geometry *original; /* of a copy: what it shares all with but the points; else NULL */
     char *name;
-    double *points; /* 4 * point_count */
+    double *points; /* 4 * point_count: of the patches, then a cage's vertices */
     size_t point_count;
     patch *patches;
     size_t patch_count;
+    double (*places)[6]; /* of each patch in its face, see epJoinPatches; NULL: patches are faces by themselves */
+    chart *charts;       /* of the faces in their order; NULL with `places` */
+    size_t chart_count;
+    struct cage *cage;          /* NULL, or what the faces come from, but for its vertices */
+    size_t cage_first;          /* the first of its vertices among the points */
     struct trim_shape **shapes; /* of the trims, see test/oracle/trim_reference.h */
     size_t shape_count;
 } scene_geometry;
@@ -46,7 +61,8 @@ typedef struct camera {
 } camera;
 
 typedef struct scene {
-    char *path; /* as given; "<stdin>" for "-" */
+    char *path;  /* as given; "<stdin>" for "-" */
+    unsigned up; /* the axis that is up by the custom of the file's format: 1 or 2 */
     bool has_camera;
     camera camera;
     scene_geometry *geometries; /* those of the file in its order, then copies that objects have moved */
@@ -59,6 +75,17 @@ typedef struct scene {
  * FILE:LINE:COLUMN: what is wrong`, to standard error and returns NULL. */
 scene *scene_read(const char *path);
 void scene_free(scene *s);
+
+/* The charts of a geometry: one a patch where patches are faces by themselves. */
+size_t chart_count(const scene_geometry *g);
+chart chart_at(const scene_geometry *g, size_t i);
+/* Where chart i's parameters s, t in [0,1] are in its face. */
+void chart_place(const chart *c, double s, double t, double *u, double *v);
+
+/* The chart of a face that has (u, v), or is nearest to it. */
+size_t chart_of(const scene_geometry *g, uint32_t face, double u, double v);
+/* The patch that has (u, v), or is nearest to it; u, v become the patch's own. */
+size_t patch_of(const scene_geometry *g, uint32_t face, double *u, double *v);
 
 /* How many of the geometries are no copies: what the file has. */
 size_t scene_originals(const scene *s);

@@ -6,6 +6,7 @@
 #include "tools/scene_json.h"
 #include "tools/args.h"
 #include "tools/files.h"
+#include "tools/json_cage.h"
 #include "tools/json_trim.h"
 #include "tools/model.h"
 
@@ -126,37 +127,41 @@ static bool read_bezier(const json_reader *r, const json_node *n, scene_geometry
 
 static bool read_model(const json_reader *r, const json_node *n, scene_geometry *g)
 {
-    json_node p = json_member(n, "path");
+    json_node p = json_member(n, "path"), as = json_member(n, "as");
+    model_options o;
     if (!p.json) return json_wrong(r, n, "a geometry of type 'file' needs 'path'");
     if (!json_is(r, &p, JSON_STRING, "'path'")) return false;
 
     const char *path = json_string_value(p.json), *slash = strrchr(r->path, '/');
     if (!*path) return json_wrong(r, &p, "'path' is empty");
+    if (!json_read_model_options(r, n, &o)) return false;
     size_t folder = *path == '/' || !slash ? 0 : (size_t)(slash + 1 - r->path), size = folder + strlen(path) + 1;
     char *whole = malloc(size);
     if (!whole) return json_no_memory(r);
     snprintf(whole, size, "%.*s%s", (int)folder, r->path, path);
-    bool done = model_read(whole, g);
+    bool done = model_read(whole, &o, g);
     free(whole);
-    return done;
+    return done && (!as.json || g->cage || json_wrong(r, &as, "the file has no polygons"));
 }
 
 /* What a geometry may be. A type without a reader is known to the format and not to this version. */
 typedef struct geometry_type {
     const char *name;
     bool (*read)(const json_reader *r, const json_node *n, scene_geometry *g);
-    const char *keys[2]; /* besides name, type and trim */
+    const char *keys[8]; /* besides name, type and trim */
 } geometry_type;
 
 static const geometry_type types[] = {
     {"bezier_triangles", read_bezier_triangles, {"degree", "patches"}},
     {"bezier", read_bezier, {"degree", "patches"}},
-    {"file", read_model, {"path"}},
+    {"file", read_model, {"path", "as", "scheme", "level", "boundary"}},
+    {"subdivision",
+     json_read_cage,
+     {"vertices", "faces", "creases", "corners", "holes", "scheme", "level", "boundary"}},
     {"nurbs", NULL, {NULL}},
     {"quadratic_triangles", NULL, {NULL}},
     {"phong_triangles", NULL, {NULL}},
     {"pn_triangles", NULL, {NULL}},
-    {"subdivision", NULL, {NULL}},
 };
 
 /* NULL after a message. */
@@ -197,14 +202,16 @@ static bool read_geometry(const json_reader *r, const json_node *n, scene_geomet
     const geometry_type *type = find_type(r, n);
     if (!type) return false;
 
-    const char *keys[5] = {"name", "type", "trim"};
+    const char *keys[3 + ARG_COUNT(type->keys)] = {"name", "type", "trim"};
     size_t count = 3;
     for (size_t i = 0; i < ARG_COUNT(type->keys) && type->keys[i]; ++i) keys[count++] = type->keys[i];
     if (!json_only_keys(r, n, "a geometry of this type", keys, count)) return false;
 
     json_node name = json_member(n, "name"), trim = json_member(n, "trim");
     if (name.json && !json_read_string(r, &name, "'name'", &g->name)) return false;
-    return type->read(r, n, g) && (!trim.json || trim_all(r, &trim, g));
+    if (!type->read(r, n, g)) return false;
+    if (trim.json && g->cage) return json_wrong(r, &trim, "a subdivision surface cannot be trimmed");
+    return !trim.json || trim_all(r, &trim, g);
 }
 
 static json_t *index_names(const scene *s)

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { TABLE_ROWS = 24, TABLE_COLUMNS = 16, TABLE_TEXT = 32 };
+enum { TABLE_ROWS = 64, TABLE_COLUMNS = 16, TABLE_TEXT = 32 };
 
 /* Starts from zeros. The first row is the head; the first cell of a row is its name. Texts that are too long are cut,
  * rows and cells that are too many are dropped. */

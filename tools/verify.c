@@ -138,7 +138,8 @@ static judge_verdict judge_hit(const bench *b, const trace_ray *ray, const world
     for (int c = 0; c < 3; ++c) org[c] = ray->org[c], dir[c] = ray->dir[c];
     oracle_root roots[ORACLE_ROOTS];
     const size_t count = find_roots(b, ray, org, dir, roots);
-    const judge_answer a = {hit->t, hit->u, hit->v, hit->primID, {hit->Ng[0], hit->Ng[1], hit->Ng[2]}};
+    judge_answer a = {hit->t, hit->u, hit->v, hit->primID, {hit->Ng[0], hit->Ng[1], hit->Ng[2]}};
+    if (hit->geomID != ~0u) a.patch = (uint32_t)patch_of(b->geometry, hit->primID, &a.u, &a.v);
     return judge(b->oracle, org, dir, roots, count, &a, &b->o->limits, errors);
 }
 

@@ -118,25 +118,51 @@ static bool surface_failed(const world *w, size_t geometry, EPStatus status)
     return true;
 }
 
-/* Hands the patches over in runs of the same kind and degree. */
-static EPStatus add_patches(EPGeometry e, const scene_geometry *g)
+static EPStatus add_run(EPGeometry e, const scene_geometry *g, size_t first, size_t count)
 {
+    const patch *p = &g->patches[first];
+    const double *points = g->points + 4 * p->first;
     const size_t stride = 4 * sizeof(double);
+    const EPFormat format = p->rational ? EP_FORMAT_DOUBLE4 : EP_FORMAT_DOUBLE3;
+    return p->kind == PATCH_TRIANGLE ? epAddBezierTriangles(e, p->degree_u, count, format, points, stride)
+                                     : epAddBezierPatches(e, p->degree_u, p->degree_v, count, format, points, stride);
+}
+
+/* Hands patches over in runs of the same kind and degree. */
+static EPStatus add_patches(EPGeometry e, const scene_geometry *g, size_t first, size_t end)
+{
     EPStatus status = EP_OK;
-    for (size_t i = 0, n; i < g->patch_count && status == EP_OK; i += n) {
+    for (size_t i = first, n; i < end && status == EP_OK; i += n) {
         const patch *p = &g->patches[i];
-        for (n = 1; i + n < g->patch_count; ++n) {
+        for (n = 1; i + n < end; ++n) {
             const patch *q = p + n;
             if (q->kind != p->kind || q->degree_u != p->degree_u || q->degree_v != p->degree_v ||
                 q->rational != p->rational)
                 break;
         }
-        const double *points = g->points + 4 * p->first;
-        EPFormat format = p->rational ? EP_FORMAT_DOUBLE4 : EP_FORMAT_DOUBLE3;
-        status = p->kind == PATCH_TRIANGLE ? epAddBezierTriangles(e, p->degree_u, n, format, points, stride)
-                                           : epAddBezierPatches(e, p->degree_u, p->degree_v, n, format, points, stride);
+        status = add_run(e, g, i, n);
     }
     return status;
+}
+
+/* A face has all charts of its number; numbers without a chart are faces without patches. */
+static EPStatus add_faces(EPGeometry e, const scene_geometry *g)
+{
+    EPStatus status = EP_OK;
+    size_t patches = 0;
+    for (size_t i = 0, face = 0; i < g->chart_count && status == EP_OK; ++face) {
+        const size_t first = patches;
+        for (; i < g->chart_count && g->charts[i].face == face; ++i) patches += g->charts[i].count;
+        status = add_patches(e, g, first, patches);
+        if (status == EP_OK)
+            status = epJoinPatches(e, (uint32_t)first, patches - first, (const double(*)[6])(g->places + first));
+    }
+    return status;
+}
+
+static EPStatus add_surfaces(EPGeometry e, const scene_geometry *g)
+{
+    return g->charts ? add_faces(e, g) : add_patches(e, g, 0, g->patch_count);
 }
 
 static EPStatus trim_patches(EPGeometry e, const scene_geometry *g)
@@ -151,12 +177,12 @@ static bool build_geometry(world *w, size_t i, const world_options *o, int threa
 {
     const scene_geometry *g = &w->scene->geometries[i];
     EPGeometry e = w->geometries[i] = epNewGeometry();
-    if (surface_failed(w, i, e ? add_patches(e, g) : EP_NO_MEMORY)) return false;
+    if (surface_failed(w, i, e ? add_surfaces(e, g) : EP_NO_MEMORY)) return false;
     if (surface_failed(w, i, trim_patches(e, g))) return false;
 
     if (o->tessellation) {
         tessellation *t = &w->p->tessellations[i];
-        return tessellate(w->scene->path, g, e, o->tessellation, threads, t);
+        return tessellate(w->scene->path, g, e, o->form, o->tessellation, threads, t);
     }
     EPBuildSettings settings = o->build;
     settings.threads = (unsigned)threads;
@@ -169,7 +195,8 @@ static bool build_geometry(world *w, size_t i, const world_options *o, int threa
 static RTCGeometry new_geometry(world *w, size_t i)
 {
     const tessellation *t = &w->p->tessellations[i];
-    RTCGeometry g = t->n ? tessellation_geometry(t, w->device) : epNewRTCGeometry(w->geometries[i], w->device);
+    RTCGeometry g = t->n ? tessellation_geometry(t, &w->scene->geometries[i], w->device)
+                         : epNewRTCGeometry(w->geometries[i], w->device);
     if (!g) {
         if (!embree_failed(w)) surface_failed(w, i, EP_FOREIGN);
         return NULL;
@@ -225,7 +252,14 @@ static bool extend_bounds(world *w, const scene_object *o)
 {
     const tessellation *t = &w->p->tessellations[o->geometry];
     float b[6] = {FLT_MAX, FLT_MAX, FLT_MAX, -FLT_MAX, -FLT_MAX, -FLT_MAX};
-    if (t->n) {
+    if (t->n && t->form == WORLD_SUBDIVISION) {
+        const scene_geometry *g = &w->scene->geometries[o->geometry];
+        for (size_t i = 0; i < 4 * g->point_count; ++i) {
+            if (i % 4 == 3) continue;
+            b[i % 4] = fminf(b[i % 4], (float)g->points[i]);
+            b[3 + i % 4] = fmaxf(b[3 + i % 4], (float)g->points[i]);
+        }
+    } else if (t->n) {
         for (size_t i = 0; i < 3 * t->vertex_count; ++i) {
             b[i % 3] = fminf(b[i % 3], t->vertices[i]);
             b[3 + i % 3] = fmaxf(b[3 + i % 3], t->vertices[i]);

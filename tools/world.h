@@ -9,9 +9,17 @@
 
 #include <stdint.h>
 
+/* What a tessellation is made of. The other two are for scenes of cages (cage_embree.h). */
+typedef enum world_form {
+    WORLD_TRIANGLES,
+    WORLD_GRIDS,      /* Embree's grids, one a chart                     */
+    WORLD_SUBDIVISION /* Embree's subdivision geometry, at a rate of its own */
+} world_form;
+
 typedef struct world_options {
     unsigned threads;      /* 0: all */
-    unsigned tessellation; /* 0: exact patches; N: every patch an N x N grid of Embree triangles */
+    unsigned tessellation; /* 0: exact patches; N: every chart N x N quadrilaterals or pairs of triangles */
+    world_form form;       /* of a tessellation */
     double ray_distance;   /* the farthest |origin| of rays that will be traced, scene units; 0: unknown */
     EPBuildSettings build;
 } world_options;

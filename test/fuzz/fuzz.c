@@ -57,6 +57,10 @@ void fuzz_check_geometry(const scene_geometry *g)
         require(p->first == points, "a patch does not begin where the last one ends");
         points += patch_point_count(p->kind, p->degree_u, p->degree_v);
     }
+    if (g->cage) {
+        require(points == g->cage_first, "a cage's vertices do not follow the patches");
+        points += g->cage->vertex_count;
+    }
     require(points == g->point_count, "the number of points");
     for (size_t i = 0; i < points; ++i) require(!point_problem(g->points + 4 * i), "a point");
 }

@@ -11,7 +11,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_file f;
     scene_geometry g = {0};
     fuzz_open(&f, data, size);
-    bool read = model_read_bpt(f.path, &g);
+    bool read = model_read_bpt(f.path, NULL, &g);
     fuzz_close(&f, read);
     if (read) fuzz_check_geometry(&g);
     free(g.points);

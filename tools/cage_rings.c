@@ -1,0 +1,192 @@
+/* cage_rings.c - see cage_rings.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Each subdivision leaves a mesh of the same kind, half as large in the parameters, and around it three quadrilaterals
+ * a sector whose vertices are regular: bicubic B-splines [Stam, "Exact evaluation of Catmull-Clark subdivision surfaces
+ * at arbitrary parameter values", 1998]. What is left in the end is a patch that continues its neighbours' borders and
+ * has the limit's point and tangents in the corner. Its distance to the surface falls with that from the tangent plane,
+ * by four a level where the surface is round. */
+#include "tools/cage_rings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+/* Parts smaller than that are not told apart by floats u, v; and where a hundred faces meet in a sharp tip, what is
+ * left shrinks by a third a level. */
+enum { MOST_LEVELS = 24 };
+
+/* The point a steps along edge i and b along edge i + 1, of which one may be -1. */
+static const double *point(const cage_rings *r, size_t i, int a, int b)
+{
+    if (a == 0 && b == 0) return r->centre;
+    if (b < 0) return point(r, (i + r->n - 1) % r->n, -b, a);
+    if (a < 0) return point(r, (i + 1) % r->n, b, -a);
+    if (a == 0) return r->point[(i + 1) % r->n][b - 1][0];
+    return r->point[i][a - 1][b];
+}
+
+static void add(double to[3], double weight, const double p[3])
+{
+    for (int c = 0; c < 3; ++c) to[c] += weight * p[c];
+}
+
+/* Vertex, edge and face points where all is regular: the vertex counts 9/16, its edges' ends 3/32, the others 1/64; an
+ * edge's ends 3/8, the four beside it 1/16. */
+static void refine(const cage_rings *r, size_t i, int a, int b, double to[3])
+{
+    const int x = a / 2, y = b / 2, odd_x = a % 2, odd_y = b % 2;
+    memset(to, 0, 3 * sizeof *to);
+    for (int dy = -1; dy <= 1 + odd_y; ++dy)
+        for (int dx = -1; dx <= 1 + odd_x; ++dx) {
+            static const double even[3] = {1.0 / 8, 3.0 / 4, 1.0 / 8}, odd[4] = {0, 1.0 / 2, 1.0 / 2, 0};
+            const double w = (odd_x ? odd[dx + 1] : even[dx + 1]) * (odd_y ? odd[dy + 1] : even[dy + 1]);
+            if (w != 0) add(to, w, point(r, i, x + dx, y + dy));
+        }
+}
+
+/* [Catmull and Clark 1978] */
+static void refine_centre(const cage_rings *r, double to[3])
+{
+    const double n = (double)r->n;
+    for (int c = 0; c < 3; ++c) to[c] = (1 - 7 / (4 * n)) * r->centre[c];
+    for (size_t i = 0; i < r->n; ++i) {
+        add(to, 3 / (2 * n * n), point(r, i, 1, 0));
+        add(to, 1 / (4 * n * n), point(r, i, 1, 1));
+    }
+}
+
+/* From two rings to three of half the width. */
+static void subdivide(cage_rings *r, double (*finer)[3][4][3])
+{
+    double centre[3];
+    for (size_t i = 0; i < r->n; ++i)
+        for (int a = 1; a <= 3; ++a)
+            for (int b = 0; b <= 3; ++b) refine(r, i, a, b, finer[i][a - 1][b]);
+    refine_centre(r, centre);
+    memcpy(r->centre, centre, sizeof centre);
+    memcpy(r->point, finer, r->n * sizeof *finer);
+}
+
+/* The uniform cubic B-spline's Bézier points, of which k needs its points 0..3 with these weights. */
+static const double to_bezier[4][4] = {
+    {1.0 / 6, 4.0 / 6, 1.0 / 6, 0}, {0, 4.0 / 6, 2.0 / 6, 0}, {0, 2.0 / 6, 4.0 / 6, 0}, {0, 1.0 / 6, 4.0 / 6, 1.0 / 6}};
+
+static void bezier_point(const cage_rings *r, size_t i, int x, int y, int j, int k, double to[3])
+{
+    memset(to, 0, 3 * sizeof *to);
+    for (int b = 0; b < 4; ++b)
+        for (int a = 0; a < 4; ++a) {
+            const double w = to_bezier[j][a] * to_bezier[k][b];
+            if (w != 0) add(to, w, point(r, i, x + a - 1, y + b - 1));
+        }
+}
+
+/* The patch of the quadrilateral x, y steps from the centre, of which one is 1 at least. */
+static void regular(const cage_rings *r, size_t i, int x, int y, cage_ring_patch *p)
+{
+    for (int k = 0; k < 4; ++k)
+        for (int j = 0; j < 4; ++j) bezier_point(r, i, x, y, j, k, p->points[4 * k + j]);
+}
+
+static void limit_point(const cage_rings *r, double to[3])
+{
+    const double n = (double)r->n, w = 1 / (n * (n + 5));
+    for (int c = 0; c < 3; ++c) to[c] = n * n * w * r->centre[c];
+    for (size_t i = 0; i < r->n; ++i) {
+        add(to, 4 * w, point(r, i, 1, 0));
+        add(to, w, point(r, i, 1, 1));
+    }
+}
+
+/* Along edge i, as long as a Bézier patch takes it where four edges meet [Halstead, Kass, DeRose, "Efficient, fair
+ * interpolation using Catmull-Clark surfaces", 1993]. */
+static void limit_tangent(const cage_rings *r, size_t i, double to[3])
+{
+    const double n = (double)r->n, step = 2 * PI / n;
+    const double edges = 1 + cos(step) + cos(step / 2) * sqrt(2 * (9 + cos(step))), scale = 1 / (9 * n);
+    memset(to, 0, 3 * sizeof *to);
+    for (size_t k = 0; k < r->n; ++k) {
+        const double angle = step * (double)((k + r->n - i) % r->n);
+        add(to, scale * edges * cos(angle), point(r, k, 1, 0));
+        add(to, scale * (cos(angle) + cos(angle + step)), point(r, k, 1, 1));
+    }
+}
+
+static double length_of(const double a[3])
+{
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+
+/* What is left in the corner of the sector; returns how far it is from its tangent plane, or, where there is none, from
+ * the point. */
+static double corner(const cage_rings *r, size_t i, cage_ring_patch *p)
+{
+    double s[3], t[3], n[3], at[3], off_plane = 0, off_point = 0;
+    for (int k = 0; k < 4; ++k)
+        for (int j = 0; j < 4; ++j)
+            if (j > 1 || k > 1) bezier_point(r, i, 0, 0, j, k, p->points[4 * k + j]);
+    limit_point(r, at);
+    limit_tangent(r, i, s);
+    limit_tangent(r, (i + 1) % r->n, t);
+    for (int c = 0; c < 3; ++c) {
+        p->points[0][c] = at[c];
+        p->points[1][c] = at[c] + s[c];
+        p->points[4][c] = at[c] + t[c];
+        p->points[5][c] = at[c] + s[c] + t[c];
+        n[c] = s[(c + 1) % 3] * t[(c + 2) % 3] - s[(c + 2) % 3] * t[(c + 1) % 3];
+    }
+    for (int k = 0; k < 16; ++k) {
+        double d[3];
+        for (int c = 0; c < 3; ++c) d[c] = p->points[k][c] - at[c];
+        off_plane = fmax(off_plane, fabs(n[0] * d[0] + n[1] * d[1] + n[2] * d[2]));
+        off_point = fmax(off_point, length_of(d));
+    }
+    return fmin(off_plane / length_of(n), off_point); /* fmin passes NaN over */
+}
+
+static bool is_flat(const cage_rings *r, double flat)
+{
+    cage_ring_patch p;
+    for (size_t i = 0; i < r->n; ++i)
+        if (!(corner(r, i, &p) <= flat)) return false;
+    return true;
+}
+
+int cage_rings_levels(cage_rings *r, double flat)
+{
+    int levels = 0;
+    double(*finer)[3][4][3] = malloc(r->n * sizeof *finer);
+    if (!finer) return -1;
+    for (; levels < MOST_LEVELS && !is_flat(r, flat); ++levels) subdivide(r, finer);
+    free(finer);
+    return levels;
+}
+
+bool cage_rings_cut(cage_rings *r, size_t sector, int levels, bool (*take)(void *user, const cage_ring_patch *p),
+                    void *user)
+{
+    static const int places[3][2] = {{1, 0}, {1, 1}, {0, 1}};
+    double(*finer)[3][4][3] = malloc(r->n * sizeof *finer);
+    if (!finer) return false;
+    cage_ring_patch p = {.size = 1};
+    bool more = true;
+    for (int level = 0; level < levels && more; ++level) {
+        subdivide(r, finer);
+        p.size /= 2;
+        for (int k = 0; k < 3 && more; ++k) {
+            p.x = p.size * places[k][0];
+            p.y = p.size * places[k][1];
+            regular(r, sector, places[k][0], places[k][1], &p);
+            more = take(user, &p);
+        }
+    }
+    free(finer);
+    p.x = p.y = 0;
+    corner(r, sector, &p);
+    if (more) take(user, &p);
+    return true;
+}

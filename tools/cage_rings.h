@@ -1,0 +1,41 @@
+/* cage_rings.h - the limit surface of Catmull and Clark's scheme around an extraordinary point, ring by ring.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef EPATCH_CAGE_RINGS_H
+#define EPATCH_CAGE_RINGS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The vertices around a smooth vertex inside a mesh of quadrilaterals, all others of which are regular. Sector i is the
+ * quadrilateral between edges i and i + 1, counter-clockwise; point[i][a - 1][b] is a steps along edge i and b along
+ * edge i + 1 away. Two steps are what the surface depends on. */
+typedef struct cage_rings {
+    size_t n; /* edges, at least 2 */
+    double centre[3];
+    double (*point)[3][4][3]; /* of each sector, a = 1..2, b = 0..2; room for 3 */
+} cage_rings;
+
+/* A bicubic patch over the square of that size at x, y of a sector, which is the unit square with the extraordinary
+ * point at the origin. */
+typedef struct cage_ring_patch {
+    double x, y, size, points[16][3]; /* x runs fastest */
+} cage_ring_patch;
+
+/* How often the mesh has to be subdivided until what is left is within `flat` of its tangent plane, in all sectors; -1
+ * without memory. Replaces the points. */
+int cage_rings_levels(cage_rings *r, double flat);
+
+/* The patches of one sector: three a level, from the outside in, and one for what is left. The same number of levels in
+ * all sectors leaves no gap. Ends early when `take` returns false. False without memory. Replaces the points. */
+bool cage_rings_cut(cage_rings *r, size_t sector, int levels, bool (*take)(void *user, const cage_ring_patch *p),
+                    void *user);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
