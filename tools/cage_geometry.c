@@ -9,6 +9,7 @@
 #include "tools/report.h"
 #include "tools/shim/cage_osd.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,6 +50,22 @@ static const char *add_patch(scene_geometry *g, const chart *at, const cage_patc
     return problem;
 }
 
+static double area_of(const cage_patch *p)
+{
+    return fabs(p->place[0] * p->place[3] - p->place[1] * p->place[2]);
+}
+
+/* Large ones first: who looks for the patch at some u, v mostly finds it soon. */
+static int compare_areas(const void *a, const void *b)
+{
+    const cage_patch *p = a, *q = b;
+    const double x = area_of(p), y = area_of(q);
+    if (x != y) return x < y ? 1 : -1;
+    for (int k = 5; k >= 4; --k)
+        if (p->place[k] != q->place[k]) return p->place[k] < q->place[k] ? -1 : 1;
+    return 0;
+}
+
 /* The chart that has been read. */
 static void add_chart(filling *f)
 {
@@ -56,6 +73,7 @@ static void add_chart(filling *f)
     if (!f->count || f->problem) return;
     chart here = chart_of_patch(f->cage, f->patches);
     if (here.kind == PATCH_TENSOR) f->count = cage_merge(f->patches, f->count);
+    qsort(f->patches, f->count, sizeof *f->patches, compare_areas);
     here.first = g->patch_count;
     here.count = f->count;
     if (cage_grow((void **)&g->places, &f->place_capacity, g->patch_count, f->count, sizeof *g->places) &&
