@@ -20,11 +20,20 @@ static const double max_distortion = 0.77;
  * nothing but a line, all of whose parts are no better: a few make its boxes smaller. */
 enum { FOLD_DEPTH = 12, LINE_DEPTH = 4 };
 
+/* Points that doubles keep apart by no more than some thousand units in their last place are no smooth surface: no part
+ * of it would be any better. */
+static bool is_noise(const ep_patch *p)
+{
+    const double far = fmax(fmax(fabs(p->centre[0]), fabs(p->centre[1])), fabs(p->centre[2]));
+    return p->radius < 0x1p-40 * far;
+}
+
 typedef struct piece_args {
     const ep_patch *patch;
     const ep_trim *trim;
     uint32_t index;
     const EPBuildSettings *settings;
+    unsigned max_depth;
     ep_fit *fit; /* scratch */
 } piece_args;
 
@@ -74,7 +83,7 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
     ep_fit *f = a->fit;
     const ep_kind_id kind = a->patch->kind;
     ep_leaf_fit(d, f);
-    if (depth < a->settings->maxDepth) {
+    if (depth < a->max_depth) {
         const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) &&
                           f->distortion <= max_distortion && f->loss <= max_loss;
         const bool hopeless = stage == SURFACE && !(f->distortion < 1) &&
@@ -108,7 +117,8 @@ static void build_patch(const void *what, const ep_patch *p, uint32_t index, ep_
     static const ep_domain whole = {0, 0, 1, 0, 0, 1};
     const build_args *b = what;
     const ep_trim *trim = b->trims[index];
-    const piece_args a = {p, trim, index, b->settings, fit};
+    const unsigned most = b->settings->maxDepth;
+    const piece_args a = {p, trim, index, b->settings, is_noise(p) && most > LINE_DEPTH ? LINE_DEPTH : most, fit};
     ep_leaf_begin(p, fit);
     build_parts(&a, &whole, 1, trim ? &trim->root : NULL, SURFACE, 0, l);
 }

@@ -176,7 +176,7 @@ EPStatus epJoinPatches(EPGeometry g, uint32_t first, size_t count, const double 
     const char *problem = ep_faces_problem(&g->faces, g->added_count, first, count, transforms);
     for (size_t i = first; !problem && i < g->added_count; ++i)
         if (g->added[i].region) problem = "a patch is trimmed";
-    if (problem) return ep_fail(&g->message, EP_INVALID, "%zu patches from %u on: %s", count, first, problem);
+    if (problem) return ep_fail(&g->message, EP_INVALID, "joining patches from %u on: %s", first, problem);
     if (!ep_faces_join(&g->faces, g->added_count, first, count, transforms))
         return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", count);
     g->committed = false;
@@ -220,7 +220,7 @@ EPStatus epSetPatchTrim(EPGeometry g, uint32_t first, size_t count, EPRegion reg
     for (size_t i = first; ep_faces_exist(&g->faces) && i < first + count; ++i) {
         size_t of_face, end;
         ep_faces_patches(&g->faces, g->faces.places[i].face, &of_face, &end);
-        if (end - of_face > 1) return ep_fail(&g->message, EP_UNSUPPORTED, "patch %zu is joined to others", i);
+        if (end - of_face > 1) return ep_fail(&g->message, EP_UNSUPPORTED, "patch %zu is part of a face", i);
     }
     for (size_t i = first; i < first + count; ++i) {
         epRetainRegion(region);

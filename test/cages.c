@@ -47,6 +47,19 @@ static void cube(ref_cage *c, unsigned n)
     FACE(c, 1, 3, 7, 5);
 }
 
+/* Extraordinary points that are smooth, next to a face that is not there. */
+static void cube_with_hole(ref_cage *c, unsigned n)
+{
+    cube(c, n);
+    hole(c, 1);
+}
+
+static void open_cube(ref_cage *c, unsigned n)
+{
+    cube(c, n);
+    c->corner_count -= c->sizes[--c->face_count];
+}
+
 /* Creases of all kinds that meet, end, and come to an end with different sharpness at a vertex. */
 static void creased_cube(ref_cage *c, unsigned n)
 {
@@ -179,7 +192,7 @@ static void creased_grid(ref_cage *c, unsigned n)
 
 static void prism(ref_cage *c, unsigned n)
 {
-    unsigned low[16], high[16];
+    unsigned low[16] = {0}, high[16] = {0};
     for (unsigned i = 0; i < n; ++i) {
         const double a = 6.283185307179586 * i / n;
         high[i] = vertex(c, cos(a), sin(a), 0.8);
@@ -252,6 +265,9 @@ const cage_case cages[CAGES] = {
     {"even creases", evenly_creased_torus, 7, false, TUBE, REF_EDGE_ONLY, true},
     {"tube", tube, 7, false, OPEN, REF_EDGE_ONLY, true},
     {"holes", torus_with_holes, 6, false, OPEN, REF_EDGE_ONLY, false},
+    {"cube with a hole", cube_with_hole, 0, false, OPEN, REF_EDGE_ONLY, false},
+    {"open cube", open_cube, 0, false, OPEN, REF_EDGE_ONLY, true},
+    {"open cube, no boundary", open_cube, 0, false, OPEN, REF_NO_BOUNDARY, true},
     {"edges only", grid, 5, false, OPEN, REF_EDGE_ONLY, false},
     {"edges and corners", grid, 5, false, OPEN, REF_EDGE_AND_CORNER, true},
     {"no boundary", grid, 5, false, OPEN, REF_NO_BOUNDARY, true},
@@ -270,7 +286,7 @@ const cage_case cages[CAGES] = {
 };
 
 /* The same in every way but one must not look the same: nothing is symmetric. */
-static ref_cage make_cage(const cage_case *k, uint64_t seed)
+ref_cage new_cage(const cage_case *k, uint64_t seed)
 {
     ref_cage c = {.loop = k->loop, .boundary = k->boundary};
     k->make(&c, k->n);
@@ -281,11 +297,10 @@ static ref_cage make_cage(const cage_case *k, uint64_t seed)
     return c;
 }
 
-static cage *build_cage(const ref_cage *c)
+static cage *build_cage(const ref_cage *c, unsigned level)
 {
     static const cage_boundary boundary[] = {CAGE_EDGE_ONLY, CAGE_EDGE_AND_CORNER, CAGE_NO_BOUNDARY};
-    const model_options o = {true, c->loop ? CAGE_LOOP : CAGE_CATMULL_CLARK, CAGE_LEVEL_DEFAULT,
-                             &boundary[c->boundary]};
+    const model_options o = {true, c->loop ? CAGE_LOOP : CAGE_CATMULL_CLARK, level, &boundary[c->boundary]};
     cage_builder b;
     assert_true(cage_begin(&b, &o));
     for (unsigned i = 0; i < c->vertex_count; ++i) assert_null(cage_add_vertex(&b, c->vertices[i]));
@@ -304,7 +319,7 @@ static cage *build_cage(const ref_cage *c)
     return made;
 }
 
-subject subject_of(const char *name, const ref_cage *c, bool demand)
+subject subject_of(const char *name, const ref_cage *c, unsigned level, bool demand)
 {
     subject s = {.name = name, .cage = *c, .scene = calloc(1, sizeof *s.scene)};
     s.scene->path = strdup(name);
@@ -312,7 +327,7 @@ subject subject_of(const char *name, const ref_cage *c, bool demand)
     s.scene->objects = calloc(1, sizeof *s.scene->objects);
     s.scene->geometry_count = s.scene->object_count = 1;
     s.scene->objects[0] = (scene_object){0, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, true, NULL};
-    assert_true(cage_to_geometry(name, build_cage(&s.cage), s.scene->geometries));
+    assert_true(cage_to_geometry(name, build_cage(&s.cage, level), s.scene->geometries));
     world_options o = {.threads = 1, .build = epDefaultBuildSettings()};
     o.build.onDemand = demand;
     s.world = world_new(s.scene, &o);
@@ -324,8 +339,8 @@ subject subject_of(const char *name, const ref_cage *c, bool demand)
 
 subject new_subject(const cage_case *k, uint64_t seed, bool demand)
 {
-    const ref_cage c = make_cage(k, seed);
-    return subject_of(k->name, &c, demand);
+    const ref_cage c = new_cage(k, seed);
+    return subject_of(k->name, &c, CAGE_LEVEL_DEFAULT, demand);
 }
 
 void free_subject(subject *s)

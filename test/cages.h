@@ -19,7 +19,7 @@ typedef struct cage_case {
     bool embree; /* means the same surface, see as_embree */
 } cage_case;
 
-enum { CAGES = 26 };
+enum { CAGES = 29 };
 extern const cage_case cages[CAGES];
 
 /* A cage in a world; sizes of cages are about 2. */
@@ -33,8 +33,9 @@ typedef struct subject {
 } subject;
 
 /* Vertices are moved a little, by chance: what is the same but for one thing must not look the same. */
+ref_cage new_cage(const cage_case *k, uint64_t seed);
 subject new_subject(const cage_case *k, uint64_t seed, bool demand);
-subject subject_of(const char *name, const ref_cage *c, bool demand);
+subject subject_of(const char *name, const ref_cage *c, unsigned level, bool demand);
 void free_subject(subject *s);
 
 /* The cage after so many levels. */

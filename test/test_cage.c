@@ -218,7 +218,7 @@ static void from_behind(void **state)
     for (const cage_case *k = cages; k < cages + CAGES; ++k) {
         subject s = new_subject(k, 2, true);
         const ref_cage turned = reversed(&s.cage);
-        subject behind = subject_of(k->name, &turned, true);
+        subject behind = subject_of(k->name, &turned, CAGE_LEVEL_DEFAULT, true);
         assert_int_equal(s.patches->chart_count, behind.patches->chart_count);
         for (size_t i = 0; i < s.patches->chart_count; ++i) {
             const chart *c = &s.patches->charts[i], *d = chart_behind(&s, &behind, i);

@@ -114,26 +114,47 @@ static trace_ray aim_out(const subject *s, const ref_mesh *m, int inside, rng *r
 
 enum { OUT = 3000 };
 
+static void check_closed(const cage_case *k, const subject *s)
+{
+    ref_mesh *m = refined(&s->cage, 4); /* sharpness has ended: limits */
+    for (unsigned w = 0; w < EP_ARRAY_LEN(widths); ++w) {
+        trace_ray rays[OUT];
+        world_hit hits[OUT];
+        trace_result result;
+        rng r = rng_split(6, w, (uint64_t)(k - cages));
+        for (unsigned i = 0; i < OUT; ++i) rays[i] = aim_out(s, m, (int)k->inside, &r);
+        assert_true(trace_rays(s->world, rays, OUT, &(trace_options){widths[w], 1, false, false}, hits, &result));
+        for (unsigned i = 0; i < OUT; ++i)
+            CHECK(hits[i].t < INFINITY, "%s: %s escapes, width %u", s->name, ray_text(rays[i].org, rays[i].dir),
+                  widths[w]);
+    }
+    ref_free(m);
+}
+
 static void no_escape(void **state)
 {
     (void)state;
     for (const cage_case *k = cages; k < cages + CAGES; ++k) {
         if (k->inside == OPEN) continue;
         subject s = new_subject(k, 4, false);
-        ref_mesh *m = refined(&s.cage, 4); /* sharpness has ended: limits */
-        for (unsigned w = 0; w < EP_ARRAY_LEN(widths); ++w) {
-            trace_ray rays[OUT];
-            world_hit hits[OUT];
-            trace_result result;
-            rng r = rng_split(6, w, (uint64_t)(k - cages));
-            for (unsigned i = 0; i < OUT; ++i) rays[i] = aim_out(&s, m, (int)k->inside, &r);
-            assert_true(trace_rays(s.world, rays, OUT, &(trace_options){widths[w], 1, false, false}, hits, &result));
-            for (unsigned i = 0; i < OUT; ++i)
-                CHECK(hits[i].t < INFINITY, "%s: %s escapes, width %u", s.name, ray_text(rays[i].org, rays[i].dir),
-                      widths[w]);
-        }
-        ref_free(m);
+        check_closed(k, &s);
         free_subject(&s);
+    }
+}
+
+/* However deep extraordinary points are isolated: hardly, and as deep as may be asked for. */
+static void no_escape_at_any_level(void **state)
+{
+    (void)state;
+    static const unsigned levels[] = {1, 2, 3, CAGE_LEVEL_MAX};
+    for (const cage_case *k = cages; k < cages + CAGES; ++k) {
+        if (k->inside == OPEN) continue;
+        const ref_cage c = new_cage(k, 5);
+        for (unsigned i = 0; i < EP_ARRAY_LEN(levels); ++i) {
+            subject s = subject_of(k->name, &c, levels[i], false);
+            check_closed(k, &s);
+            free_subject(&s);
+        }
     }
 }
 
@@ -177,6 +198,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(as_embree),
         cmocka_unit_test(no_escape),
+        cmocka_unit_test(no_escape_at_any_level),
         cmocka_unit_test(moved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -151,9 +151,16 @@ static double difference_of_hits(const bench *b, const bench_subject *s)
     return most;
 }
 
+static bool has_cage(const scene *s)
+{
+    for (size_t i = 0; i < s->geometry_count; ++i)
+        if (s->geometries[i].cage) return true;
+    return false;
+}
+
 static void print_legend(const bench *b)
 {
-    const bool matched = b->families[0].matched, cage = b->family_count > 1;
+    const bool matched = b->families[0].matched, cage = has_cage(b->scene);
     const bench_subject *last = bench_finest(&b->families[0]);
     printf("\n%u×%u triangles a %s are %sas exact as the patches", last->n, last->n, cage ? "face" : "patch",
            matched ? "" : "not ");
@@ -166,7 +173,10 @@ static void print_legend(const bench *b)
          "1: single rays; 16: packets. Error: the largest distance of a hit from the exact surface, relative to the\n"
          "scene's diagonal; normal: the largest angle. Memory and build count everything, Embree's part too. Limit:\n"
          "the hierarchy of the patches with a callback that only meets the leaf's plane.");
-    if (cage) puts("Grids and subdivision: Embree's own geometries of the same cage.");
+    if (b->family_count > 1) puts("Grids and subdivision: Embree's own geometries of the same cage.");
+    else if (cage)
+        puts("Embree's own subdivision is left out: it is for scenes of cages alone, by Catmull and Clark's usual rules and\n"
+             "without holes, which it takes for the same surfaces.");
 }
 
 void bench_print(const bench *b, bool markdown)

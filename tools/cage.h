@@ -39,7 +39,7 @@ typedef struct cage_corner {
 
 enum {
     CAGE_LEVEL_DEFAULT = 0, /* until what is left in the middle is as good as flat */
-    CAGE_LEVEL_MAX = 24     /* parts have to be told apart by floats u, v */
+    CAGE_LEVEL_MAX = 16     /* what is left then is as small as floats tell apart */
 };
 
 /* All arrays are malloc'ed and the cage's; capacities are for cage_grow. */

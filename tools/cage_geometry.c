@@ -6,6 +6,7 @@
  * are one polynomial. */
 #include "tools/cage_merge.h"
 #include "tools/model.h"
+#include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/shim/cage_osd.h"
 
@@ -113,6 +114,7 @@ static bool keep_cage(scene_geometry *g, cage *c)
 
 bool cage_to_geometry(const char *path, cage *c, scene_geometry *g)
 {
+    const double start = wall_seconds();
     filling f = {.cage = c, .g = g};
     const char *note, *problem = cage_patches(c, take, &f, &note);
     if (!problem) add_chart(&f);
@@ -123,6 +125,7 @@ bool cage_to_geometry(const char *path, cage *c, scene_geometry *g)
         cage_free(c);
         return false;
     }
+    g->cage_seconds = wall_seconds() - start;
     if (*note) report_file(path, "%s; ignored", note);
     return keep_cage(g, c) || (report_no_memory(path), false);
 }

@@ -15,9 +15,8 @@
 
 #define PI 3.14159265358979323846
 
-/* Parts smaller than that are not told apart by floats u, v; and where a hundred faces meet in a sharp tip, what is
- * left shrinks by a third a level. */
-enum { MOST_LEVELS = 24 };
+/* What is left then is as small as floats tell apart, in u and v and, but where dozens of faces meet, in space. */
+enum { MOST_LEVELS = 14 };
 
 /* The point a steps along edge i and b along edge i + 1, of which one may be -1. */
 static const double *point(const cage_rings *r, size_t i, int a, int b)
@@ -121,9 +120,13 @@ static double length_of(const double a[3])
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-/* What is left in the corner of the sector; returns how far it is from its tangent plane, or, where there is none, from
- * the point. */
-static double corner(const cage_rings *r, size_t i, cage_ring_patch *p)
+/* How far something is from a point and, if it is regular there, from its tangent plane. */
+typedef struct extent {
+    double point, plane;
+} extent;
+
+/* What is left in the corner of the sector. */
+static extent corner(const cage_rings *r, size_t i, cage_ring_patch *p)
 {
     double s[3], t[3], n[3], at[3], off_plane = 0, off_point = 0;
     for (int k = 0; k < 4; ++k)
@@ -145,23 +148,25 @@ static double corner(const cage_rings *r, size_t i, cage_ring_patch *p)
         off_plane = fmax(off_plane, fabs(n[0] * d[0] + n[1] * d[1] + n[2] * d[2]));
         off_point = fmax(off_point, length_of(d));
     }
-    return fmin(off_plane / length_of(n), off_point); /* fmin passes NaN over */
+    return (extent){off_point, off_plane / length_of(n)};
 }
 
-static bool is_flat(const cage_rings *r, double flat)
+static bool is_enough(const cage_rings *r, double flat, double tiny)
 {
     cage_ring_patch p;
-    for (size_t i = 0; i < r->n; ++i)
-        if (!(corner(r, i, &p) <= flat)) return false;
+    for (size_t i = 0; i < r->n; ++i) {
+        const extent e = corner(r, i, &p);
+        if (!(e.plane <= flat || e.point <= tiny)) return false;
+    }
     return true;
 }
 
-int cage_rings_levels(cage_rings *r, double flat)
+int cage_rings_levels(cage_rings *r, double flat, double tiny)
 {
     int levels = 0;
     double(*finer)[3][4][3] = malloc(r->n * sizeof *finer);
     if (!finer) return -1;
-    for (; levels < MOST_LEVELS && !is_flat(r, flat); ++levels) subdivide(r, finer);
+    for (; levels < MOST_LEVELS && !is_enough(r, flat, tiny); ++levels) subdivide(r, finer);
     free(finer);
     return levels;
 }

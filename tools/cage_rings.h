@@ -26,9 +26,9 @@ typedef struct cage_ring_patch {
     double x, y, size, points[16][3]; /* x runs fastest */
 } cage_ring_patch;
 
-/* How often the mesh has to be subdivided until what is left is within `flat` of its tangent plane, in all sectors; -1
- * without memory. Replaces the points. */
-int cage_rings_levels(cage_rings *r, double flat);
+/* How often the mesh has to be subdivided until what is left is within `flat` of its tangent plane, or within `tiny` of
+ * its point, in all sectors; -1 without memory. Replaces the points. */
+int cage_rings_levels(cage_rings *r, double flat, double tiny);
 
 /* The patches of one sector: three a level, from the outside in, and one for what is left. The same number of levels in
  * all sectors leaves no gap. Ends early when `take` returns false. False without memory. Replaces the points. */

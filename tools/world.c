@@ -316,6 +316,15 @@ static bool build(world *w, const world_options *o)
     return !embree_failed(w);
 }
 
+/* What was done when the scene was read, for all but what Embree subdivides itself. */
+static double cage_seconds(const scene *s, const world_options *o)
+{
+    double seconds = 0;
+    for (size_t i = 0; i < s->geometry_count; ++i)
+        if (!s->geometries[i].original) seconds += s->geometries[i].cage_seconds;
+    return o->tessellation && o->form == WORLD_SUBDIVISION ? 0 : seconds;
+}
+
 world *world_new(const scene *s, const world_options *o)
 {
     double start = wall_seconds();
@@ -329,7 +338,7 @@ world *world_new(const scene *s, const world_options *o)
         world_free(w);
         return NULL;
     }
-    w->build_seconds = wall_seconds() - start;
+    w->build_seconds = wall_seconds() - start + cage_seconds(s, o);
     const world_size size = world_measure(w);
     w->bytes_patches = size.bytes_patches;
     w->bytes_embree = size.bytes_embree;

@@ -50,6 +50,8 @@ bool has_rings(const Far::TopologyLevel &level, Far::Index v)
 
 bool cage_is_smooth(const Far::TopologyLevel &mesh)
 {
+    for (Far::Index f = 0; f < mesh.GetNumFaces(); ++f)
+        if (mesh.IsFaceHole(f)) return false;
     for (Far::Index v = 0; v < mesh.GetNumVertices(); ++v)
         if (!is_smooth(mesh, v) &&
             !(mesh.IsVertexBoundary(v) && !mesh.IsVertexNonManifold(v) && mesh.GetVertexFaces(v).size() == 2 &&

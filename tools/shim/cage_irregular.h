@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-/* Is the surface of a mesh smooth but at borders, and these are regular? */
+/* Is the surface of a mesh smooth but at borders, and these are regular, and are there no holes? */
 bool cage_is_smooth(const OpenSubdiv::Far::TopologyLevel &mesh);
 
 /* The face of a level that a patch is over, and its corner that is extraordinary; -1: there are none or several, or it

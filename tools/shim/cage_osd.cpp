@@ -117,7 +117,7 @@ constexpr int apart = 2;
 /* What is not smooth is for OpenSubdiv to isolate, and so is everything with Loop's scheme. */
 table_ptr make_table(Far::TopologyRefiner &refiner, const cage &c)
 {
-    const int asked = c.level ? std::min((int)c.level, most_levels) : most_levels;
+    const int asked = c.level ? std::clamp((int)c.level, apart, most_levels) : most_levels;
     Far::PatchTableFactory::Options o(most_levels);
     o.useInfSharpPatch = true;
     o.generateLegacySharpCornerPatches = false;
@@ -127,7 +127,7 @@ table_ptr make_table(Far::TopologyRefiner &refiner, const cage &c)
     o.SetPatchPrecision<double>();
     Far::TopologyRefiner::AdaptiveOptions adaptive = o.GetRefineAdaptiveOptions();
     const bool rings = c.scheme == CAGE_CATMULL_CLARK && cage_is_smooth(refiner.GetLevel(0));
-    adaptive.SetSecondaryLevel(rings ? std::min(asked, apart) : asked);
+    adaptive.SetSecondaryLevel(rings ? apart : asked);
     refiner.RefineAdaptive(adaptive);
     return table_ptr(Far::PatchTableFactory::Create(refiner, o));
 }
@@ -296,18 +296,28 @@ std::vector<listed> list(const Far::PatchTable &table)
  * for valences of 3 to 64): with this, relative to the cage, by 1e-7, which is what floats tell apart. */
 constexpr double flat = 0x1p-20;
 
-double size_of(const cage &c)
+/* Patches that are smaller than this, relative to coordinates, would be told apart by rounding: points that they share
+ * are equal to doubles, which is to be nothing to their size. Floats have no closer points either. */
+constexpr double tiny = 0x1p-21;
+
+/* The cage's diagonal, and its largest coordinate. */
+struct extent {
+    double size = 0, far = 0;
+};
+
+extent extent_of(const cage &c)
 {
-    double sum = 0;
+    extent e;
     for (int k = 0; k < 3; ++k) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (size_t i = 0; i < c.vertex_count; ++i) {
             low = std::min(low, c.vertices[i][k]);
             high = std::max(high, c.vertices[i][k]);
         }
-        sum += (high - low) * (high - low);
+        e.size = std::hypot(e.size, high - low);
+        e.far = std::max({e.far, std::fabs(low), std::fabs(high)});
     }
-    return std::sqrt(sum);
+    return e;
 }
 
 /* The surface of a cage, patch by patch. */
@@ -315,7 +325,7 @@ class surface
 {
   public:
     surface(const cage &c, const Far::TopologyRefiner &refiner, const Far::PatchTable &table)
-        : c(c), refiner(refiner), table(table), points(make_points(c, refiner, table)), flatness(flat * size_of(c))
+        : c(c), refiner(refiner), table(table), points(make_points(c, refiner, table)), whole(extent_of(c))
     {
         for (int level = 0, first = 0; level <= refiner.GetMaxLevel(); ++level) {
             first_of_level.push_back(first);
@@ -375,7 +385,7 @@ class surface
         auto [known, is_new] = levels_of.try_emplace({of.level, of.centre}, std::max((int)c.level - depth, 0));
         if (is_new && c.level == CAGE_LEVEL_DEFAULT) {
             gather();
-            known->second = cage_rings_levels(&r, flatness);
+            known->second = cage_rings_levels(&r, flat * whole.size, tiny * whole.far);
         }
         gather();
         bool more = true;
@@ -392,7 +402,7 @@ class surface
     std::vector<int> first_of_level;
     std::map<std::pair<int, Far::Index>, int> levels_of; /* extraordinary vertices: as many for all of their faces */
     std::array<std::unique_ptr<matrix>, 32> weights;     /* by the sides that are borders */
-    const double flatness;
+    const extent whole;
 };
 
 } // namespace
