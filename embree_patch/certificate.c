@@ -229,6 +229,15 @@ static void allow_for_rays(ep_fit *f)
     leaf->reach = ep_round_up(per * by_foot * more);
 }
 
+/* Factors of the normal go with the third power of the leaf's size, and with its inverse square. The first is a mere
+ * factor, for which a few bits less than a float's would do: the direction does not depend on it. */
+static bool floats_hold_normal(const ep_fit *f)
+{
+    const float volume = fabsf(f->leaf.volume);
+    const double row = fmax(largest_entry(f->row[0]), fmax(largest_entry(f->row[1]), largest_entry(f->row[2])));
+    return volume >= 0x1p-140f && volume < INFINITY && isnormal((float)(row * row)) && isnormal((float)(4 * row * row));
+}
+
 void ep_leaf_certify(ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
@@ -236,9 +245,10 @@ void ep_leaf_certify(ep_fit *f)
     const double lost = reduce(f);
     model(f, lost);
     rounding(f, lost);
-    allow_for_rays(f);
     /* For the frame's matrix M, M a x M b = det M M^-T (a x b); and S_s x S_t = (uu vv - uv vu) S_u x S_v. */
     leaf->volume = (float)(1 / (ep_dot(f->row[0], ep_cross(f->row[1], f->row[2])) * f->area));
+    if (!floats_hold_normal(f)) leaf->noise_st = fmaxf(leaf->noise_st, EP_VAGUE);
+    allow_for_rays(f);
 }
 
 void ep_leaf_pack(const ep_fit *f, float *net)

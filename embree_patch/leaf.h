@@ -103,6 +103,9 @@ static inline unsigned ep_leaf_stride(const ep_leaf *leaf)
  * met. Others are in the boxes of both. */
 #define EP_SHARP 0x1p-18f
 
+/* Rounding (noise_st) that has every root of a leaf found again in double, with its normal. */
+#define EP_VAGUE 0x1p-14f
+
 /* How far the prism reaches beyond the domain. */
 static inline float ep_leaf_side(const ep_leaf *leaf, int triangle)
 {

@@ -35,6 +35,14 @@ static void huge(void **state)
     check_hits(&(hits_case){5, 24, 320, true, true, {5, 1}, SOME, 1e6, {0, 0, 0}, 0});
 }
 
+/* What normals are made of is no float any more, but they are. */
+static void beyond_floats(void **state)
+{
+    (void)state;
+    check_hits(&(hits_case){8, 8, 320, true, true, {4, 2}, SOME, 1e14, {0, 0, 0}, 0});
+    check_hits(&(hits_case){9, 8, 320, true, true, {4, 2}, SOME, 1e-13, {0, 0, 0}, 0});
+}
+
 static void from_a_thousand_away(void **state)
 {
     (void)state;
@@ -90,6 +98,7 @@ int main(void)
         cmocka_unit_test(tiny_seen_from_4),
         cmocka_unit_test(tiny_at_10000),
         cmocka_unit_test(huge),
+        cmocka_unit_test(beyond_floats),
         cmocka_unit_test(from_a_thousand_away),
         cmocka_unit_test(powers_of_two),
     };
