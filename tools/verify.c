@@ -132,14 +132,26 @@ static size_t find_roots(const bench *b, const trace_ray *ray, const double org[
     return kept;
 }
 
+/* What the rounding of a face's parameters is in those of one of its patches. */
+static double finest_of(const scene_geometry *g, size_t patch, const world_hit *hit)
+{
+    if (!g->places) return 0;
+    const double *m = g->places[patch], det = fabs(m[0] * m[3] - m[1] * m[2]);
+    const double inverse = fmax(fabs(m[0]) + fabs(m[1]), fabs(m[2]) + fabs(m[3])) / det;
+    return 0x1p-23 * inverse * fmax(fmax(fabs((double)hit->u), fabs((double)hit->v)), 1);
+}
+
 static judge_verdict judge_hit(const bench *b, const trace_ray *ray, const world_hit *hit, judge_errors *errors)
 {
     double org[3], dir[3];
     for (int c = 0; c < 3; ++c) org[c] = ray->org[c], dir[c] = ray->dir[c];
     oracle_root roots[ORACLE_ROOTS];
     const size_t count = find_roots(b, ray, org, dir, roots);
-    judge_answer a = {hit->t, hit->u, hit->v, hit->primID, {hit->Ng[0], hit->Ng[1], hit->Ng[2]}};
-    if (hit->geomID != ~0u) a.patch = (uint32_t)patch_of(b->geometry, hit->primID, &a.u, &a.v);
+    judge_answer a = {hit->t, hit->u, hit->v, hit->primID, {hit->Ng[0], hit->Ng[1], hit->Ng[2]}, 0};
+    if (hit->geomID != ~0u) {
+        a.patch = (uint32_t)patch_of(b->geometry, hit->primID, &a.u, &a.v);
+        a.finest = finest_of(b->geometry, a.patch, hit);
+    }
     return judge(b->oracle, org, dir, roots, count, &a, &b->o->limits, errors);
 }
 

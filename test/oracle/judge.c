@@ -31,7 +31,7 @@ static double place_error(const oracle *o, const double org[3], const double dir
     double p[3], pu[3], pv[3], apart[3];
     oracle_evaluate(o, a->patch, a->u, a->v, p, pu, pv);
     for (int c = 0; c < 3; ++c) apart[c] = p[c] - (org[c] + a->t * dir[c]);
-    const double excess = length(apart) - 0x1p-23 * (length(pu) + length(pv));
+    const double excess = length(apart) - fmax(a->finest, 0x1p-23) * (length(pu) + length(pv));
     return fmax(excess, 0) / (oracle_radius(o, a->patch) + fabs(a->t) * length(dir));
 }
 

@@ -14,6 +14,7 @@ typedef struct judge_answer {
     double u, v;
     uint32_t patch;
     double normal[3];
+    double finest; /* by how much floats tell u and v apart; 0: 2^-23 */
 } judge_answer;
 
 typedef enum judge_verdict {
