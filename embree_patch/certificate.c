@@ -14,6 +14,12 @@ static double largest_entry(ep_vec3 a)
     return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
 }
 
+/* Of the frame. */
+static double largest_in_rows(const ep_fit *f)
+{
+    return fmax(largest_entry(f->row[0]), fmax(largest_entry(f->row[1]), largest_entry(f->row[2])));
+}
+
 /* Sum of |coefficient c| times its monomial's maximum, (each + its degree if `degrees`) times. */
 static double magnitude(const ep_fit *f, const ep_point *net, unsigned m, unsigned n, int c, unsigned each,
                         bool degrees)
@@ -211,8 +217,7 @@ static void allow_for_rays(ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
     const bool triangle = f->kind == &ep_kinds[EP_KIND_TRIANGLE];
-    const double per =
-        12 * EP_EPS_F * fmax(largest_entry(f->row[0]), fmax(largest_entry(f->row[1]), largest_entry(f->row[2])));
+    const double per = 12 * EP_EPS_F * largest_in_rows(f);
     const double way = EP_STEEP * (ep_norm1(f->column[0]) + ep_norm1(f->column[1])) + ep_norm1(f->column[2]);
     const double noise = 2 * per * leaf->height * way;
     const double noise_st = leaf->noise_st + noise, noise_h = leaf->noise_h + noise;
@@ -234,7 +239,7 @@ static void allow_for_rays(ep_fit *f)
 static bool floats_hold_normal(const ep_fit *f)
 {
     const float volume = fabsf(f->leaf.volume);
-    const double row = fmax(largest_entry(f->row[0]), fmax(largest_entry(f->row[1]), largest_entry(f->row[2])));
+    const double row = largest_in_rows(f);
     return volume >= 0x1p-140f && volume < INFINITY && isnormal((float)(row * row)) && isnormal((float)(4 * row * row));
 }
 

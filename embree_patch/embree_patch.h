@@ -111,8 +111,8 @@ EP_API EPStatus epAddBezierPatches(EPGeometry geometry, unsigned degreeU, unsign
  * is the part of it where (u, v) is the image of the patch's own (s, t) under transforms[k] = {a, b, c, d, e, f}, which
  * maps (s, t) to (a s + c t + e, b s + d t + f). Hits on it have these u, v and dP/du x dP/dv with respect to them.
  * Without a join, a patch is a face by itself. With no patches at all (count 0), the next number becomes that of a face
- * that no ray hits. EP_INVALID: they are not the last ones, one of them belongs to another
- * face or is trimmed, or a transform is not finite or has no inverse. Then nothing is joined. */
+ * that no ray hits. EP_INVALID: they are not the last ones, one of them belongs to another face or is trimmed, or a
+ * transform is not finite or has no inverse. Then nothing is joined. */
 EP_API EPStatus epJoinPatches(EPGeometry geometry, uint32_t firstPatch, size_t count, const double (*transforms)[6]);
 
 /* Replaces the control points of `count` patches that were added, from `firstPatch` on; degrees and trims stay.

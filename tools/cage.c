@@ -5,13 +5,6 @@
 
 #include <stdlib.h>
 
-cage *cage_new(void)
-{
-    cage *c = calloc(1, sizeof *c);
-    if (c) c->level = CAGE_LEVEL_DEFAULT;
-    return c;
-}
-
 void cage_free(cage *c)
 {
     if (!c) return;
@@ -36,12 +29,4 @@ bool cage_grow(void **items, size_t *capacity, size_t count, size_t more, size_t
     *items = grown;
     *capacity = to;
     return true;
-}
-
-const char *cage_size_problem(cage_scheme scheme, size_t corners)
-{
-    if (scheme == CAGE_LOOP) return corners == 3 ? NULL : "Loop's scheme takes triangles only";
-    /* OpenSubdiv counts the faces around a vertex, and the middle of a face becomes one, in 16 bits */
-    if (corners > 65535) return "a face has more than 65535 corners";
-    return corners >= 3 ? NULL : "a face has less than three corners";
 }

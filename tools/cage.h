@@ -1,4 +1,4 @@
-/* cage.h - the control cage of a subdivision surface, and how it becomes patches.
+/* cage.h - the control cage of a subdivision surface, and what hits on that mean.
  *
  * SPDX-License-Identifier: Apache-2.0
  *
@@ -59,14 +59,10 @@ typedef struct cage {
     size_t vertex_capacity, face_capacity, corner_capacity, crease_capacity, sharp_capacity, hole_capacity;
 } cage;
 
-/* An empty cage of the usual settings; NULL without memory. */
-cage *cage_new(void);
-void cage_free(cage *c); /* NULL is fine */
+/* A cage is malloc'ed, too; NULL is fine. */
+void cage_free(cage *c);
 
 /* Makes room for `more` items behind `count`. False without memory. */
 bool cage_grow(void **items, size_t *capacity, size_t count, size_t more, size_t size);
-
-/* NULL when a face of a cage of the scheme may have so many corners, else what is wrong with that. */
-const char *cage_size_problem(cage_scheme scheme, size_t corners);
 
 #endif

@@ -22,7 +22,7 @@ static void *make_room(void *items, size_t *capacity, size_t count, size_t size)
 
 bool cage_begin(cage_builder *b, const model_options *o)
 {
-    *b = (cage_builder){.cage = cage_new()};
+    *b = (cage_builder){.cage = calloc(1, sizeof *b->cage)};
     if (!b->cage) return false;
     b->cage->scheme = o->scheme;
     b->cage->level = o->level;
@@ -67,12 +67,20 @@ const char *cage_add_face_corner(cage_builder *b, uint32_t vertex)
     return NULL;
 }
 
+static const char *size_problem(cage_scheme scheme, size_t corners)
+{
+    if (scheme == CAGE_LOOP) return corners == 3 ? NULL : "Loop's scheme takes triangles only";
+    /* OpenSubdiv counts the faces around a vertex, and the middle of a face becomes one, in 16 bits */
+    if (corners > 65535) return "a face has more than 65535 corners";
+    return corners >= 3 ? NULL : "a face has less than three corners";
+}
+
 const char *cage_add_face(cage_builder *b)
 {
     cage *c = b->cage;
     void *more;
     size_t corners = c->corner_count - b->face_first;
-    const char *problem = cage_size_problem(c->scheme, corners);
+    const char *problem = size_problem(c->scheme, corners);
     if (problem) return problem;
     if (!MAKE_ROOM(c->sizes, c->face_capacity, c->face_count)) return no_memory;
     c->sizes[c->face_count++] = (uint32_t)corners;

@@ -37,8 +37,9 @@ static chart chart_of_patch(const cage *c, const cage_patch *p)
 static const char *add_patch(scene_geometry *g, const chart *at, const cage_patch *p)
 {
     const unsigned degree = at->kind == PATCH_TRIANGLE ? 4 : 3;
-    double *points = geometry_add_patch(g, at->kind, degree, degree), *place = g->places[g->patch_count - 1];
+    double *points = geometry_add_patch(g, at->kind, degree, degree);
     if (!points) return "out of memory";
+    double *place = g->places[g->patch_count - 1];
     memcpy(place, p->place, sizeof p->place);
     place[4] += at->u0;
     place[5] += at->v0;

@@ -44,7 +44,7 @@ typedef struct scene_geometry {
     size_t chart_count;
     struct cage *cage;          /* NULL, or what the faces come from, but for its vertices */
     size_t cage_first;          /* the first of its vertices among the points */
-    double cage_seconds; /* that it took to become patches */
+    double cage_seconds;        /* that it took to become patches */
     struct trim_shape **shapes; /* of the trims, see test/oracle/trim_reference.h */
     size_t shape_count;
 } scene_geometry;
