@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * An EPGeometry holds curved patches: Bézier triangles and tensor-product Bézier patches, polynomial or
+ * An EPGeometry holds curved patches: Bézier triangles, tensor-product Bézier patches and NURBS surfaces, polynomial or
  * rational, of any degree up to EP_MAX_DEGREE, mixed freely. Committing it cuts every patch into leaves, small
  * pieces in tight prisms. epNewRTCGeometry makes an RTCGeometry whose user primitives are those leaves; attach it
  * to any RTCScene. No mesh is made: a hit is a root of the ray on the surface itself.
@@ -106,6 +106,16 @@ EP_API EPStatus epAddBezierTriangles(EPGeometry geometry, unsigned degree, size_
 EP_API EPStatus epAddBezierPatches(EPGeometry geometry, unsigned degreeU, unsigned degreeV, size_t count,
                                    EPFormat format, const void *points, size_t byteStride);
 
+/* Appends a NURBS surface, of degree degreeU in u and degreeV in v. It has n = knotCountU - degreeU - 1 times m =
+ * knotCountV - degreeV - 1 control points, for j in 0..m-1 (v): for i in 0..n-1 (u). Knots do not decrease; u goes from
+ * knotsU[degreeU] to knotsU[n], v from knotsV[degreeV] to knotsV[m]. A knot between these may repeat degree + 1 times,
+ * where the surface is torn. It becomes one Bézier patch for each pair of spans, all spans of u for the first of v and
+ * so on, joined to one face (epJoinPatches) whose u and v are those of the knots. Otherwise as above; knots are copied,
+ * too. EP_BAD_DATA: also where knots are none, or too close together or too large for floats. */
+EP_API EPStatus epAddNURBSSurface(EPGeometry geometry, unsigned degreeU, unsigned degreeV, size_t knotCountU,
+                                  const double *knotsU, size_t knotCountV, const double *knotsV, EPFormat format,
+                                  const void *points, size_t byteStride);
+
 /* Makes one face of the last `count` patches, from `firstPatch` on: a surface with one primID and parameters of its own
  * that is made of pieces, such as the spans of a NURBS surface or the parts of a face of a subdivision surface. Patch k
  * is the part of it where (u, v) is the image of the patch's own (s, t) under transforms[k] = {a, b, c, d, e, f}, which
@@ -179,8 +189,10 @@ EP_API EPStatus epAddRegionNURBS(EPRegion region, unsigned degree, size_t knotCo
 EP_API int epIsInRegion(EPRegion region, double u, double v);
 
 /* Trims `count` patches that were added, from `firstPatch` on, in place of what trimmed them before; NULL: not at all.
+ * The region of a patch that was joined is in the u, v of its face, so that all of a face's patches have the same one.
  * Takes effect with the next commit, until which nothing may be traced. What is outside makes no leaves, and rays pass
- * through it. EP_INVALID: no such patches, or the region is not complete. EP_UNSUPPORTED: one of them was joined. */
+ * through it. EP_INVALID: no such patches, or the region is not complete. EP_BAD_DATA: it has points that are too far
+ * out for a patch. */
 EP_API EPStatus epSetPatchTrim(EPGeometry geometry, uint32_t firstPatch, size_t count, EPRegion region);
 
 /* How the parts of a patch that trim curves cross are divided: only their leaves ever test a hit's u and v. */

@@ -31,6 +31,25 @@ bool ep_faces_shrink(ep_faces *f)
            ep_shrink((void **)&f->first, &f->first_capacity, f->count, sizeof *f->first);
 }
 
+bool ep_faces_begin(ep_faces *f, size_t patches)
+{
+    if (ep_faces_exist(f)) return true;
+    if (ep_faces_reserve(f, patches + 1)) {
+        ep_faces_add(f, patches);
+        return true;
+    }
+    ep_faces_free(f);
+    return false;
+}
+
+bool ep_place_is_possible(const double map[6])
+{
+    const double det = determinant(map);
+    bool finite = isfinite(1 / det) && isfinite(det);
+    for (int k = 0; k < 6; ++k) finite = finite && fabs(map[k]) <= FLT_MAX;
+    return finite;
+}
+
 const char *ep_faces_problem(const ep_faces *f, size_t patches, size_t first, size_t count,
                              const double (*transforms)[6])
 {
@@ -40,24 +59,14 @@ const char *ep_faces_problem(const ep_faces *f, size_t patches, size_t first, si
         single = f->first[f->count - count + i] == first + i;
     if (!single) return "one of them belongs to another face";
     if (count && !transforms) return "no transforms";
-    for (size_t i = 0; i < count; ++i) {
-        const double det = determinant(transforms[i]);
-        bool finite = isfinite(1 / det) && isfinite(det);
-        for (int k = 0; k < 6; ++k) finite = finite && fabs(transforms[i][k]) <= FLT_MAX;
-        if (!finite) return "a patch's transform is not finite or has no inverse";
-    }
+    for (size_t i = 0; i < count; ++i)
+        if (!ep_place_is_possible(transforms[i])) return "a patch's transform is not finite or has no inverse";
     return NULL;
 }
 
 bool ep_faces_join(ep_faces *f, size_t patches, size_t first, size_t count, const double (*transforms)[6])
 {
-    if (!ep_faces_exist(f)) {
-        if (!ep_faces_reserve(f, patches + 1)) {
-            ep_faces_free(f);
-            return false;
-        }
-        ep_faces_add(f, patches);
-    }
+    if (!ep_faces_begin(f, patches)) return false;
     if (!count) {
         if (!ep_faces_reserve(f, 1)) return false;
         f->first[f->count++] = f->place_count;
@@ -87,6 +96,24 @@ void ep_place_inverse(const ep_place *p, double u, double v, double *s, double *
     const double *m = p->map, x = u - m[4], y = v - m[5];
     *s = (m[3] * x - m[2] * y) * p->scale;
     *t = (m[0] * y - m[1] * x) * p->scale;
+}
+
+bool ep_place_is_identity(const ep_place *p)
+{
+    static const double identity[6] = {1, 0, 0, 1, 0, 0};
+    for (int k = 0; k < 6; ++k)
+        if (p->map[k] != identity[k]) return false;
+    return true;
+}
+
+void ep_place_invert(const ep_place *p, double map[6])
+{
+    const double *m = p->map;
+    map[0] = m[3] * p->scale;
+    map[1] = -m[1] * p->scale;
+    map[2] = -m[2] * p->scale;
+    map[3] = m[0] * p->scale;
+    ep_place_inverse(p, 0, 0, &map[4], &map[5]);
 }
 
 static ep_vec3 sum(double a, ep_vec3 x, double b, ep_vec3 y)

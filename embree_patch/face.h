@@ -35,6 +35,12 @@ void ep_faces_add(ep_faces *f, size_t count);
 /* Gives room for more back. False without memory. */
 bool ep_faces_shrink(ep_faces *f);
 
+/* Begins to keep places: `patches` patches are faces by themselves. False without memory; then nothing has changed. */
+bool ep_faces_begin(ep_faces *f, size_t patches);
+
+/* Can (s, t) be mapped to (u, v) like this, and back? */
+bool ep_place_is_possible(const double map[6]);
+
 /* NULL when the last `count` of `patches` can be joined, else what is wrong. */
 const char *ep_faces_problem(const ep_faces *f, size_t patches, size_t first, size_t count,
                              const double (*transforms)[6]);
@@ -51,6 +57,10 @@ static inline void ep_place_apply(const ep_place *p, double s, double t, double 
     *u = p->map[0] * s + p->map[2] * t + p->map[4];
     *v = p->map[1] * s + p->map[3] * t + p->map[5];
 }
+
+bool ep_place_is_identity(const ep_place *p);
+/* The inverse of its map. */
+void ep_place_invert(const ep_place *p, double map[6]);
 
 /* Turns derivatives by s, t into those by u, v. */
 void ep_place_derivatives(const ep_place *p, ep_frame *f);

@@ -27,208 +27,15 @@ void epRetainGeometry(EPGeometry g)
 void epReleaseGeometry(EPGeometry g)
 {
     if (!g || atomic_fetch_sub(&g->references, 1) != 1) return;
-    for (size_t i = 0; i < g->added_count; ++i) epReleaseRegion(g->added[i].region);
     ep_demand_free(g);
     ep_hierarchy_free(&g->hierarchy);
-    ep_faces_free(&g->faces);
-    ep_free(g->added);
-    ep_free(g->points);
+    ep_added_free(g);
     ep_free(g);
 }
 
 const char *epGetGeometryMessage(EPGeometry g)
 {
     return g->message.text;
-}
-
-static size_t format_bytes(EPFormat f)
-{
-    static const size_t bytes[] = {3 * sizeof(float), 4 * sizeof(float), 3 * sizeof(double), 4 * sizeof(double)};
-    return (unsigned)f < EP_ARRAY_LEN(bytes) ? bytes[f] : 0;
-}
-
-static void read_point(EPFormat format, const char *at, double p[4])
-{
-    const bool weighted = format == EP_FORMAT_FLOAT4 || format == EP_FORMAT_DOUBLE4;
-    const int n = weighted ? 4 : 3;
-    p[3] = 1;
-    for (int c = 0; c < n; ++c) {
-        if (format == EP_FORMAT_FLOAT3 || format == EP_FORMAT_FLOAT4) {
-            float f;
-            memcpy(&f, at + (size_t)c * sizeof f, sizeof f);
-            p[c] = f;
-        } else {
-            memcpy(&p[c], at + (size_t)c * sizeof(double), sizeof(double));
-        }
-    }
-}
-
-/* Points as a caller has them. */
-typedef struct given_points {
-    EPFormat format;
-    const char *at;
-    size_t stride;
-} given_points;
-
-static EPStatus check_layout(EPGeometry g, EPFormat format, size_t stride)
-{
-    const size_t bytes = format_bytes(format);
-    if (!bytes) return ep_fail(&g->message, EP_INVALID, "%d is no point format", (int)format);
-    if (stride < bytes)
-        return ep_fail(&g->message, EP_INVALID, "a stride of %zu bytes is shorter than a point of %zu", stride, bytes);
-    return EP_OK;
-}
-
-/* Coordinates and weights beyond these overflow when they are multiplied or squared in float. */
-static const double largest_coordinate = 0x1p60, largest_weight = 0x1p40;
-
-/* The next `count` points, of patch `patch`; `to` may be NULL, *rational is set when a weight is not one. */
-static EPStatus read_net(EPGeometry g, size_t patch, size_t count, given_points *from, ep_point *to, uint8_t *rational)
-{
-    *rational = 0;
-    for (size_t i = 0; i < count; ++i, from->at += from->stride) {
-        double p[4];
-        read_point(from->format, from->at, p);
-        for (int c = 0; c < 3; ++c)
-            if (!(fabs(p[c]) <= largest_coordinate))
-                return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: %c is %g, not within +-2^60", patch, i,
-                               "xyz"[c], p[c]);
-        if (!(p[3] > 0 && p[3] <= largest_weight && p[3] >= 1 / largest_weight))
-            return ep_fail(&g->message, EP_BAD_DATA, "patch %zu, point %zu: the weight is %g, not in 2^-40..2^40",
-                           patch, i, p[3]);
-        if (p[3] != 1) *rational = 1;
-        if (!to) continue;
-        for (int c = 0; c < 3; ++c) to[i][c] = p[3] * p[c];
-        to[i][3] = p[3];
-    }
-    return EP_OK;
-}
-
-static size_t points_of(const ep_added *a)
-{
-    return ep_kinds[a->kind].point_count(a->degree_u, a->degree_v);
-}
-
-/* The committed leaves' patches are among those that were added, wherever these are now. */
-static void follow_points(EPGeometry g)
-{
-    for (size_t i = 0; i < g->hierarchy.patch_count; ++i)
-        g->hierarchy.patches[i].points = g->points + g->added[i].first;
-}
-
-/* Gives room for more patches back. */
-static bool shrink(EPGeometry g)
-{
-    const bool done = ep_shrink((void **)&g->added, &g->added_capacity, g->added_count, sizeof *g->added) &&
-                      ep_shrink((void **)&g->points, &g->point_capacity, g->point_count, sizeof *g->points) &&
-                      ep_faces_shrink(&g->faces);
-    follow_points(g);
-    return done;
-}
-
-static EPStatus add(EPGeometry g, ep_kind_id kind, unsigned m, unsigned n, size_t count, EPFormat format,
-                    const void *points, size_t stride)
-{
-    if (m < 1 || m > EP_MAX_DEGREE || n < 1 || n > EP_MAX_DEGREE)
-        return ep_fail(&g->message, EP_INVALID, "degree %u is not in 1..%d", m < 1 || m > EP_MAX_DEGREE ? m : n,
-                       EP_MAX_DEGREE);
-    EPStatus status = check_layout(g, format, stride);
-    if (status != EP_OK || !count) return status;
-    if (!points) return ep_fail(&g->message, EP_INVALID, "no points");
-
-    const size_t each = ep_kinds[kind].point_count(m, n);
-    if (count > UINT32_MAX - g->added_count || count > SIZE_MAX / 64 / each)
-        return ep_fail(&g->message, EP_INVALID, "%zu patches are too many", count);
-    if (!ep_reserve((void **)&g->added, &g->added_capacity, g->added_count, count, sizeof *g->added) ||
-        !ep_reserve((void **)&g->points, &g->point_capacity, g->point_count, count * each, sizeof *g->points) ||
-        (ep_faces_exist(&g->faces) && !ep_faces_reserve(&g->faces, count)))
-        return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", count);
-
-    follow_points(g);
-    given_points from = {format, points, stride};
-    for (size_t k = 0; k < count; ++k) {
-        ep_added *a = &g->added[g->added_count + k];
-        *a = (ep_added){g->point_count + k * each, (uint8_t)kind, (uint8_t)m, (uint8_t)n, 0, NULL};
-        status = read_net(g, k, each, &from, g->points + a->first, &a->rational);
-        if (status != EP_OK) return status;
-    }
-    if (ep_faces_exist(&g->faces)) ep_faces_add(&g->faces, count);
-    g->added_count += count;
-    g->point_count += count * each;
-    g->committed = false;
-    return EP_OK;
-}
-
-EPStatus epAddBezierTriangles(EPGeometry g, unsigned degree, size_t count, EPFormat format, const void *points,
-                              size_t stride)
-{
-    return add(g, EP_KIND_TRIANGLE, degree, degree, count, format, points, stride);
-}
-
-EPStatus epAddBezierPatches(EPGeometry g, unsigned m, unsigned n, size_t count, EPFormat format, const void *points,
-                            size_t stride)
-{
-    return add(g, EP_KIND_TENSOR, m, n, count, format, points, stride);
-}
-
-EPStatus epJoinPatches(EPGeometry g, uint32_t first, size_t count, const double (*transforms)[6])
-{
-    const char *problem = ep_faces_problem(&g->faces, g->added_count, first, count, transforms);
-    for (size_t i = first; !problem && i < g->added_count; ++i)
-        if (g->added[i].region) problem = "a patch is trimmed";
-    if (problem) return ep_fail(&g->message, EP_INVALID, "joining patches from %u on: %s", first, problem);
-    if (!ep_faces_join(&g->faces, g->added_count, first, count, transforms))
-        return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", count);
-    g->committed = false;
-    return EP_OK;
-}
-
-static EPStatus check_patches(EPGeometry g, uint32_t first, size_t count)
-{
-    if (first > g->added_count || count > g->added_count - first)
-        return ep_fail(&g->message, EP_INVALID, "there are no %zu patches from %u on", count, first);
-    return EP_OK;
-}
-
-EPStatus epSetPatchPoints(EPGeometry g, uint32_t first, size_t count, EPFormat format, const void *points,
-                          size_t stride)
-{
-    EPStatus status = check_patches(g, first, count);
-    if (status == EP_OK) status = check_layout(g, format, stride);
-    if (status != EP_OK || !count) return status;
-    if (!points) return ep_fail(&g->message, EP_INVALID, "no points");
-    uint8_t rational;
-    given_points from = {format, points, stride};
-    for (size_t k = 0; k < count; ++k) {
-        status = read_net(g, k, points_of(&g->added[first + k]), &from, NULL, &rational);
-        if (status != EP_OK) return status;
-    }
-    from.at = points;
-    for (size_t k = 0; k < count; ++k) {
-        ep_added *a = &g->added[first + k];
-        read_net(g, k, points_of(a), &from, g->points + a->first, &a->rational);
-    }
-    g->moved = true;
-    return EP_OK;
-}
-
-EPStatus epSetPatchTrim(EPGeometry g, uint32_t first, size_t count, EPRegion region)
-{
-    const EPStatus status = check_patches(g, first, count);
-    if (status != EP_OK) return status;
-    if (region && !region->trim) return ep_fail(&g->message, EP_INVALID, "a trim's region is not complete");
-    for (size_t i = first; ep_faces_exist(&g->faces) && i < first + count; ++i) {
-        size_t of_face, end;
-        ep_faces_patches(&g->faces, g->faces.places[i].face, &of_face, &end);
-        if (end - of_face > 1) return ep_fail(&g->message, EP_UNSUPPORTED, "patch %zu is part of a face", i);
-    }
-    for (size_t i = first; i < first + count; ++i) {
-        epRetainRegion(region);
-        epReleaseRegion(g->added[i].region);
-        g->added[i].region = region;
-    }
-    g->committed = false;
-    return EP_OK;
 }
 
 EPStatus epSetGeometryBuildSettings(EPGeometry g, const EPBuildSettings *settings)
@@ -309,7 +116,7 @@ static void share_errors(EPGeometry g)
 EPStatus epCommitGeometry(EPGeometry g)
 {
     const double start = seconds();
-    if (!shrink(g)) return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
+    if (!ep_added_shrink(g)) return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
     ep_patch *patches = new_patches(g);
     const ep_trim **trims = ep_alloc(g->added_count, sizeof *trims);
     EPRegion *regions = ep_alloc(g->added_count, sizeof *regions);
@@ -319,11 +126,13 @@ EPStatus epCommitGeometry(EPGeometry g)
         ep_free(trims);
         return ep_fail(&g->message, EP_NO_MEMORY, "no memory for %zu patches", g->added_count);
     }
+    size_t trim_bytes = 0;
     for (size_t i = 0; i < g->added_count; ++i) {
         regions[i] = g->added[i].region;
-        trims[i] = regions[i] ? regions[i]->trim : NULL;
+        trims[i] = ep_added_trim(&g->added[i]);
+        trim_bytes += g->added[i].trim ? ep_trim_bytes(g->added[i].trim) : 0;
     }
-    const size_t region_bytes = bytes_of_regions(regions, g->added_count);
+    const size_t region_bytes = bytes_of_regions(regions, g->added_count) + trim_bytes;
     ep_free(regions);
     ep_hierarchy h;
     const bool on_demand = g->settings.onDemand;
@@ -388,15 +197,10 @@ static void store(double out[3], ep_vec3 v)
     out[0] = v.x, out[1] = v.y, out[2] = v.z;
 }
 
-static size_t face_count(EPGeometry g)
-{
-    return ep_faces_exist(&g->faces) ? g->faces.count : g->added_count;
-}
-
 /* With patches? */
 static bool is_face(EPGeometry g, uint32_t face)
 {
-    if (face >= face_count(g)) return false;
+    if (face >= ep_face_count(g)) return false;
     size_t first, end;
     ep_faces_patches(&g->faces, face, &first, &end);
     return first < end;
@@ -469,7 +273,7 @@ void epGetGeometryStatistics(EPGeometry g, EPStatistics *s)
 {
     const ep_hierarchy *h = &g->hierarchy;
     *s = (EPStatistics){
-        .faces = face_count(g),
+        .faces = ep_face_count(g),
         .patches = g->added_count,
         .leaves = h->leaf_count,
         .uncertified = h->uncertified,

@@ -16,6 +16,7 @@ typedef struct ep_added {
     size_t first;
     uint8_t kind, degree_u, degree_v, rational;
     EPRegion region; /* NULL: untrimmed; holds a reference */
+    ep_trim *trim;   /* the patch's own, where the region is in its face's parameters; else NULL */
 } ep_added;
 
 struct EPGeometryTy {
@@ -36,5 +37,15 @@ struct EPGeometryTy {
     double build_seconds;
     ep_message message;
 };
+
+/* added.c */
+const ep_trim *ep_added_trim(const ep_added *a); /* what trims it, NULL: nothing */
+bool ep_added_shrink(EPGeometry g);              /* gives room for more patches back; false without memory */
+void ep_added_free(EPGeometry g);
+
+static inline size_t ep_face_count(EPGeometry g)
+{
+    return ep_faces_exist(&g->faces) ? g->faces.count : g->added_count;
+}
 
 #endif

@@ -238,9 +238,21 @@ def bad_scenes():
                           ('{"union": [' * 300 + '{"circle": {}}' + "]}" * 300, "regions are nested more than 256 deep"),
                           ('{"circle": {}, "transform": [1, 0, 0]}', "a transform has 3 numbers, not 6")):
         yield patched('"name"', '"trim": %s, "name"' % trim), r":1:\d+: " + message
-    for kind in ("nurbs", "quadratic_triangles", "phong_triangles", "pn_triangles"):
+    for kind in ("quadratic_triangles", "phong_triangles", "pn_triangles"):
         yield scene({"type": kind}), rf":1:\d+: geometry of type '{kind}' is not supported yet"
     yield scene({"type": "bezier", "degree": [1, 1]}), r"needs 'patches'"
+    surface = {"type": "nurbs", "degree": [1, 1], "knots": [[0, 0, 1, 1], [0, 0, 2, 3, 3]], "points": [[i % 2, i // 2, 0] for i in range(6)]}
+    for change, message in (({"degree": 1}, r"'degree' is .*not a list|'degree' .*"), ({"degree": [1, 26]}, "a degree is 26"),
+                            ({"knots": [[0, 0, 1, 1]]}, "'knots' has two lists"),
+                            ({"knots": [[0, 0, 1, 1], [0, 0, 3]]}, "a surface of degree 1 has at least 4 knots, not 3"),
+                            ({"knots": [[0, 0, 1, 1], [0, 0, 2, 1, 3]]}, "in v: knot 4 is 1, below the one before it, 2"),
+                            ({"knots": [[0, 0, 0, 1], [0, 0, 2, 3, 3]]}, "in u: "),
+                            ({"points": surface["points"][:-1]}, "these knots go with 2 x 3 points, not 5"),
+                            ({"points": surface["points"][:-1] + [[0, 0, 0, 0]]}, "the weight is not positive"),
+                            ({"patches": []}, "patches")):
+        yield scene({**surface, **change}), message
+    for key in ("degree", "knots", "points"):
+        yield scene({k: v for k, v in surface.items() if k != key}), f"needs '{key}'"
     yield scene({"type": "bezier", "patches": []}), r"needs 'degree'"
     yield scene({"type": "file"}), r"needs 'path'"
     yield scene({"type": "file", "path": "missing.bpt"}), r"missing\.bpt: cannot open"

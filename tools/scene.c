@@ -96,6 +96,28 @@ double *geometry_add_patch(scene_geometry *g, patch_kind kind, unsigned degree_u
     return points;
 }
 
+bool geometry_add_chart(scene_geometry *g, const chart *at, const double (*places)[6])
+{
+    double(*all)[6] = grow(g->places, sizeof *all, g->patch_count - at->count, at->count);
+    if (!all) return false;
+    g->places = all;
+    memcpy(all + g->patch_count - at->count, places, at->count * sizeof *all);
+    chart *charts = grow(g->charts, sizeof *charts, g->chart_count, 1);
+    if (!charts) return false;
+    g->charts = charts;
+    charts[g->chart_count++] = *at;
+    return true;
+}
+
+bool geometry_add_shape(scene_geometry *g, struct trim_shape *shape)
+{
+    struct trim_shape **shapes = grow(g->shapes, sizeof *shapes, g->shape_count, 1);
+    if (!shapes) return false;
+    g->shapes = shapes;
+    shapes[g->shape_count++] = shape;
+    return true;
+}
+
 const char *point_problem(const double p[4])
 {
     for (int i = 0; i < 4; ++i)
@@ -200,6 +222,18 @@ void chart_place(const chart *c, double s, double t, double *u, double *v)
 static double outside(patch_kind kind, double s, double t)
 {
     return fmax(fmax(fmax(-s, -t), (kind == PATCH_TRIANGLE ? s + t : fmax(s, t)) - 1), 0);
+}
+
+uint32_t face_of(const scene_geometry *g, size_t patch)
+{
+    if (!g->charts) return (uint32_t)patch;
+    size_t low = 0, high = g->chart_count; /* charts[low].first <= patch */
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (g->charts[middle].first <= patch) low = middle;
+        else high = middle;
+    }
+    return g->charts[low].face;
 }
 
 size_t chart_of(const scene_geometry *g, uint32_t face, double u, double v)

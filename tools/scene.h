@@ -83,6 +83,8 @@ chart chart_at(const scene_geometry *g, size_t i);
 /* Where chart i's parameters s, t in [0,1] are in its face. */
 void chart_place(const chart *c, double s, double t, double *u, double *v);
 
+uint32_t face_of(const scene_geometry *g, size_t patch);
+
 /* The chart of a face that has (u, v), or is nearest to it. */
 size_t chart_of(const scene_geometry *g, uint32_t face, double u, double v);
 /* The patch that has (u, v), or is nearest to it; u, v become the patch's own. */

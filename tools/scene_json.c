@@ -7,123 +7,13 @@
 #include "tools/args.h"
 #include "tools/files.h"
 #include "tools/json_cage.h"
-#include "tools/json_trim.h"
+#include "tools/json_patches.h"
 #include "tools/model.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static bool read_degree(const json_reader *r, const json_node *n, unsigned *to)
-{
-    double x = 0;
-    if (!json_read_number(r, n, "a degree", &x)) return false;
-    if (x != floor(x) || x < 1 || x > EP_MAX_DEGREE)
-        return json_wrong(r, n, "a degree is %g, not a whole number from 1 to %d", x, EP_MAX_DEGREE);
-    *to = (unsigned)x;
-    return true;
-}
-
-static bool read_point(const json_reader *r, const json_node *n, double p[4])
-{
-    if (!json_is(r, n, JSON_ARRAY, "a point")) return false;
-    size_t count = json_array_size(n->json);
-    if (count != 3 && count != 4) return json_wrong(r, n, "a point has 3 or 4 numbers, not %zu", count);
-    p[3] = 1;
-    for (size_t i = 0; i < count; ++i) {
-        json_node e = json_element(n, i);
-        if (!json_read_number(r, &e, "a coordinate", &p[i])) return false;
-    }
-    const char *problem = point_problem(p);
-    return !problem || json_wrong(r, n, "%s", problem);
-}
-
-/* The next trim of a geometry. */
-static bool read_trim(const json_reader *r, const json_node *n, scene_geometry *g, EPRegion *region)
-{
-    struct trim_shape **more = realloc(g->shapes, (g->shape_count + 1) * sizeof *more);
-    if (!more) return json_no_memory(r);
-    g->shapes = more;
-    if (!json_read_trim(r, n, region, &g->shapes[g->shape_count])) return false;
-    ++g->shape_count;
-    return true;
-}
-
-/* By the trim that was read last. */
-static void set_trim(scene_geometry *g, size_t patch, EPRegion region)
-{
-    epRetainRegion(region);
-    g->patches[patch].trim = region;
-    g->patches[patch].shape = g->shapes[g->shape_count - 1];
-}
-
-/* A patch is its list of points, or an object with the list and a trim. */
-static bool read_patch(const json_reader *r, const json_node *n, patch_kind kind, const unsigned degree[2],
-                       scene_geometry *g)
-{
-    json_node points = *n;
-    if (json_is_object(n->json)) {
-        static const char *const keys[] = {"points", "trim"};
-        if (!json_only_keys(r, n, "a patch", keys, ARG_COUNT(keys))) return false;
-        points = json_member(n, "points");
-        if (!points.json) return json_wrong(r, n, "a patch has no points");
-    }
-    if (!json_is(r, &points, JSON_ARRAY, "a patch")) return false;
-
-    size_t have = json_array_size(points.json), need = patch_point_count(kind, degree[0], degree[1]);
-    if (have != need) return json_wrong(r, &points, "a patch of this degree has %zu points, not %zu", need, have);
-    double *p = geometry_add_patch(g, kind, degree[0], degree[1]);
-    if (!p) return json_no_memory(r);
-    for (size_t i = 0; i < need; ++i) {
-        json_node e = json_element(&points, i);
-        if (!read_point(r, &e, p + 4 * i)) return false;
-    }
-    const json_node trim = json_member(n, "trim");
-    if (!trim.json) return true;
-    EPRegion region;
-    if (!read_trim(r, &trim, g, &region)) return false;
-    set_trim(g, g->patch_count - 1, region);
-    epReleaseRegion(region);
-    return true;
-}
-
-static bool read_patches(const json_reader *r, const json_node *n, patch_kind kind, const unsigned degree[2],
-                         scene_geometry *g)
-{
-    json_node patches = json_member(n, "patches");
-    if (!patches.json) return json_wrong(r, n, "a geometry of Bézier patches needs 'patches'");
-    if (!json_is(r, &patches, JSON_ARRAY, "'patches'")) return false;
-    for (size_t i = 0; i < json_array_size(patches.json); ++i) {
-        json_node e = json_element(&patches, i);
-        if (!read_patch(r, &e, kind, degree, g)) return false;
-    }
-    return true;
-}
-
-static bool read_bezier_triangles(const json_reader *r, const json_node *n, scene_geometry *g)
-{
-    unsigned degree[2] = {0, 0};
-    json_node d = json_member(n, "degree");
-    if (!d.json) return json_wrong(r, n, "a geometry of Bézier triangles needs 'degree'");
-    if (!read_degree(r, &d, &degree[0])) return false;
-    degree[1] = degree[0];
-    return read_patches(r, n, PATCH_TRIANGLE, degree, g);
-}
-
-static bool read_bezier(const json_reader *r, const json_node *n, scene_geometry *g)
-{
-    unsigned degree[2] = {0, 0};
-    json_node d = json_member(n, "degree");
-    if (!d.json) return json_wrong(r, n, "a geometry of Bézier patches needs 'degree'");
-    if (!json_is(r, &d, JSON_ARRAY, "'degree'")) return false;
-    if (json_array_size(d.json) != 2) return json_wrong(r, &d, "'degree' has two numbers: in u and in v");
-    for (size_t i = 0; i < 2; ++i) {
-        json_node e = json_element(&d, i);
-        if (!read_degree(r, &e, &degree[i])) return false;
-    }
-    return read_patches(r, n, PATCH_TENSOR, degree, g);
-}
 
 static bool read_model(const json_reader *r, const json_node *n, scene_geometry *g)
 {
@@ -152,13 +42,13 @@ typedef struct geometry_type {
 } geometry_type;
 
 static const geometry_type types[] = {
-    {"bezier_triangles", read_bezier_triangles, {"degree", "patches"}},
-    {"bezier", read_bezier, {"degree", "patches"}},
+    {"bezier_triangles", json_read_bezier_triangles, {"degree", "patches"}},
+    {"bezier", json_read_bezier, {"degree", "patches"}},
     {"file", read_model, {"path", "as", "scheme", "level", "boundary"}},
     {"subdivision",
      json_read_cage,
      {"vertices", "faces", "creases", "corners", "holes", "scheme", "level", "boundary"}},
-    {"nurbs", NULL, {NULL}},
+    {"nurbs", json_read_nurbs, {"degree", "knots", "points"}},
     {"quadratic_triangles", NULL, {NULL}},
     {"phong_triangles", NULL, {NULL}},
     {"pn_triangles", NULL, {NULL}},
@@ -185,17 +75,6 @@ static const geometry_type *find_type(const json_reader *r, const json_node *n)
     return NULL;
 }
 
-/* Trims the patches that have no trim of their own. */
-static bool trim_all(const json_reader *r, const json_node *n, scene_geometry *g)
-{
-    EPRegion region;
-    if (!read_trim(r, n, g, &region)) return false;
-    for (size_t i = 0; i < g->patch_count; ++i)
-        if (!g->patches[i].trim) set_trim(g, i, region);
-    epReleaseRegion(region);
-    return true;
-}
-
 static bool read_geometry(const json_reader *r, const json_node *n, scene_geometry *g)
 {
     if (!json_is(r, n, JSON_OBJECT, "a geometry")) return false;
@@ -211,7 +90,7 @@ static bool read_geometry(const json_reader *r, const json_node *n, scene_geomet
     if (name.json && !json_read_string(r, &name, "'name'", &g->name)) return false;
     if (!type->read(r, n, g)) return false;
     if (trim.json && g->cage) return json_wrong(r, &trim, "a subdivision surface cannot be trimmed");
-    return !trim.json || trim_all(r, &trim, g);
+    return !trim.json || json_trim_all(r, &trim, g);
 }
 
 static json_t *index_names(const scene *s)

@@ -100,6 +100,16 @@ static bool bench_open(bench *b, const scene *one, const verify_options *o, doub
  * space, seen in the domain along a ray that meets the surface at this angle. */
 static const double trim_band = 2e-5;
 
+/* A patch's parameters as its face has them, which its trim is given in; how much longer steps may be there. */
+static double to_face(const scene_geometry *g, size_t patch, double *u, double *v)
+{
+    if (!g->places) return 1;
+    const double *m = g->places[patch], s = *u, t = *v;
+    *u = m[0] * s + m[2] * t + m[4];
+    *v = m[1] * s + m[3] * t + m[5];
+    return fmax(fabs(m[0]) + fabs(m[2]), fabs(m[1]) + fabs(m[3]));
+}
+
 static double band_at(const bench *b, const oracle_root *r)
 {
     double p[3], pu[3], pv[3], u2 = 0, v2 = 0, n2 = 0;
@@ -123,7 +133,9 @@ static size_t find_roots(const bench *b, const trace_ray *ray, const double org[
         const trim_shape *shape = b->geometry->patches[r.patch].shape;
         if (shape) {
             const double band = band_at(b, &r);
-            const shape_side side = band < 1 ? shape_at(shape, r.u, r.v, band) : SHAPE_NEAR;
+            double u = r.u, v = r.v;
+            const double longer = to_face(b->geometry, r.patch, &u, &v);
+            const shape_side side = band < 1 ? shape_at(shape, u, v, longer * band) : SHAPE_NEAR;
             if (side == SHAPE_OUT && !r.doubtful) continue;
             r.doubtful = r.doubtful || side == SHAPE_NEAR;
         }
@@ -267,15 +279,16 @@ static bool run_block(bench *b, size_t count, aim_kind kind, verify_report *r)
 /* Turns a ray that was aimed at some point of the geometry to one near a trim's border, if it meets a trimmed patch. */
 static void aim_at_trim(const bench *b, rng *r, trace_ray *ray)
 {
-    const uint32_t patch = rng_below(r, (unsigned)b->geometry->patch_count);
+    size_t patch = rng_below(r, (unsigned)b->geometry->patch_count);
     const trim_shape *shape = b->geometry->patches[patch].shape;
     double uv[2];
     if (!shape || !shape_border(shape, r, &uv[0], &uv[1])) return;
+    if (b->geometry->places) patch = patch_of(b->geometry, face_of(b->geometry, patch), &uv[0], &uv[1]);
     for (int c = 0; c < 2; ++c) uv[c] += rng_sign(r) * rng_scale(r, trim_band, 1e-2);
     if (!(uv[0] >= 0 && uv[1] >= 0 && uv[0] <= 1 && uv[1] <= 1)) return;
-    if (oracle_is_triangle(b->oracle, patch) && uv[0] + uv[1] > 1) return;
+    if (oracle_is_triangle(b->oracle, (uint32_t)patch) && uv[0] + uv[1] > 1) return;
     double p[3];
-    oracle_evaluate(b->oracle, patch, uv[0], uv[1], p, NULL, NULL);
+    oracle_evaluate(b->oracle, (uint32_t)patch, uv[0], uv[1], p, NULL, NULL);
     for (int c = 0; c < 3; ++c) ray->dir[c] = (float)(p[c] - ray->org[c]);
 }
 

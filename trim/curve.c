@@ -53,24 +53,6 @@ void ep_curve_restrict(const ep_point2h *p, unsigned n, double t0, double t1, ep
             for (unsigned i = 0; i < k; ++i) lerp(out[i], out[i], out[i + 1], t0 / t1);
 }
 
-/* Point j of the Bézier curve is the spline's blossom at knots[i], p-j times, and knots[i+1], j times [Ramshaw 1989].
- * Both lie in every interval that de Boor's algorithm interpolates over, so the combinations are convex. */
-void ep_curve_from_spline(const ep_point2h *points, unsigned p, const double *knots, size_t i, ep_point2h *out)
-{
-    for (unsigned j = 0; j <= p; ++j) {
-        ep_point2h d[EP_CURVE_POINTS];
-        memcpy(d, points + (i - p), (p + 1) * sizeof d[0]);
-        for (unsigned r = 1; r <= p; ++r) {
-            const double at = r <= p - j ? knots[i] : knots[i + 1];
-            for (unsigned k = p; k >= r; --k) {
-                const double lo = knots[i - p + k], hi = knots[i + 1 + k - r];
-                lerp(d[k], d[k - 1], d[k], (at - lo) / (hi - lo));
-            }
-        }
-        memcpy(out[j], d[p], sizeof d[p]);
-    }
-}
-
 /* A polynomial in the Bernstein basis, each coefficient with the error it carries. */
 enum { SPEED_DEGREE = 2 * EP_MAX_DEGREE - 2 };
 typedef struct speed {

@@ -1,4 +1,4 @@
-/* curve.h - rational Bézier curves in the plane: evaluate, cut, convert from NURBS, find extrema.
+/* curve.h - rational Bézier curves in the plane: evaluate, cut, find extrema.
  *
  * SPDX-License-Identifier: Apache-2.0
  *
@@ -23,10 +23,6 @@ void ep_curve_halve(const ep_point2h *p, unsigned n, ep_point2h *left, ep_point2
 
 /* The part [t0,t1] of the curve; `out` may be p. */
 void ep_curve_restrict(const ep_point2h *p, unsigned n, double t0, double t1, ep_point2h *out);
-
-/* Span i of a B-spline of degree p, the part over knots[i] < knots[i+1], as a Bézier curve of degree p. `points` are
- * homogeneous; points[i-p] to points[i] are read. */
-void ep_curve_from_spline(const ep_point2h *points, unsigned p, const double *knots, size_t i, ep_point2h *out);
 
 /* The parameters in (0,1), ascending, where x or y turns round; between two of them both are monotone to within the
  * rounding of the points. `cuts` holds EP_CURVE_CUTS. Returns their number. */

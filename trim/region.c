@@ -5,6 +5,7 @@
  * Everything becomes Bézier curves in the domain's coordinates at once: transforms are applied to control points, and
  * splines are cut at their knots. */
 #include "trim/region.h"
+#include "embree_patch/knots.h"
 
 #include <string.h>
 
@@ -282,10 +283,9 @@ static void put_spline(ep_region *r, unsigned degree, const double *knots, size_
                        const ep_point2h *h)
 {
     bool begun = false;
-    for (size_t i = degree; i < count; ++i) {
-        if (!(knots[i] < knots[i + 1])) continue;
+    for (size_t i = degree; (i = ep_knots_next_span(knots, count, i)) < count; ++i) {
         ep_point2h span[EP_CURVE_POINTS];
-        ep_curve_from_spline(h, degree, knots, i, span);
+        ep_knots_bezier(h[0], 3, 3, degree, knots, i, span[0], 3);
         ep_point2 from, to;
         for (int c = 0; c < 2; ++c) {
             /* a clamped end is a control point */
@@ -333,36 +333,13 @@ EPStatus ep_region_bezier(ep_region *r, size_t count, const ep_point2w *points, 
     return put_segment(r, (unsigned)count - 1, knots, count, points, m);
 }
 
-static EPStatus check_knots(unsigned degree, size_t knot_count, const double *knots, size_t count, ep_message *m)
-{
-    if (degree < 1 || degree > EP_MAX_DEGREE)
-        return ep_fail(m, EP_BAD_DATA, "degree %u is not between 1 and %d", degree, EP_MAX_DEGREE);
-    if (count < degree + 1)
-        return ep_fail(m, EP_BAD_DATA, "a curve of degree %u needs %u points, not %zu", degree, degree + 1, count);
-    if (count > 1u << 30) return ep_fail(m, EP_BAD_DATA, "too many trim curves");
-    if (knot_count != count + degree + 1)
-        return ep_fail(m, EP_BAD_DATA, "%zu points of degree %u go with %zu knots, not %zu", count, degree,
-                       count + degree + 1, knot_count);
-    for (size_t i = 0; i < knot_count; ++i) {
-        if (!(fabs(knots[i]) < 0x1p1000)) return ep_fail(m, EP_BAD_DATA, "knot %zu is %g", i + 1, knots[i]);
-        if (i && knots[i] < knots[i - 1])
-            return ep_fail(m, EP_BAD_DATA, "knot %zu is %g, below the one before it, %g", i + 1, knots[i],
-                           knots[i - 1]);
-        /* more would tear the curve */
-        if (i >= degree && knots[i] == knots[i - degree] && knots[degree] < knots[i] && knots[i] < knots[count])
-            return ep_fail(m, EP_BAD_DATA, "knot %g repeats more than %u times, the degree", knots[i], degree);
-    }
-    if (!(knots[degree] < knots[count]))
-        return ep_fail(m, EP_BAD_DATA, "knots %u to %zu are all %g: the curve has no extent", degree + 1, count + 1,
-                       knots[degree]);
-    return EP_OK;
-}
-
 EPStatus ep_region_nurbs(ep_region *r, unsigned degree, size_t knot_count, const double *knots, size_t count,
                          const ep_point2w *points, ep_message *m)
 {
     EPStatus s = check_segment(r, m);
-    if (!s) s = check_knots(degree, knot_count, knots, count, m);
+    /* more repetitions than the degree would tear the curve */
+    if (!s) s = ep_knots_check(degree, knot_count, knots, count, degree, m);
+    if (!s && count > 1u << 30) s = ep_fail(m, EP_BAD_DATA, "too many trim curves");
     return s ? s : put_segment(r, degree, knots, count, points, m);
 }
 
