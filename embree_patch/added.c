@@ -251,6 +251,13 @@ EPStatus epSetPatchPoints(EPGeometry g, uint32_t first, size_t count, EPFormat f
     return EP_OK;
 }
 
+/* How much of a region's box a patch may cover. */
+static double share_of(const ep_place *place, const ep_trim *whole)
+{
+    const double box = (whole->hi[0] - whole->lo[0]) * (whole->hi[1] - whole->lo[1]);
+    return box > 0 ? fmin(1, 1 / fabs(place->scale) / box) : 1;
+}
+
 /* A patch's own trim: that of its face as it is seen from the patch. NULL where the region itself will do. */
 static EPStatus new_trim(EPGeometry g, size_t patch, EPRegion region, ep_trim **trim)
 {
@@ -263,6 +270,7 @@ static EPStatus new_trim(EPGeometry g, size_t patch, EPRegion region, ep_trim **
     EPStatus status =
         ep_region_within(region->region, to_patch, g->added[patch].kind == EP_KIND_TRIANGLE, &within, &g->message);
     if (status == EP_OK) status = ep_trim_new(within, trim, &g->message);
+    if (status == EP_OK) (*trim)->share = share_of(place, region->trim);
     ep_region_free(within);
     return status;
 }

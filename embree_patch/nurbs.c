@@ -33,19 +33,16 @@ EPStatus ep_nurbs_check(const ep_nurbs *n, ep_message *m)
     return EP_OK;
 }
 
-/* The spans of one row of control points, each p+1 points `out_stride` points apart. Where the surface is in one piece
- * the next span begins where the last one has ended. */
+/* The spans of one row of control points, each p+1 points `out_stride` points apart. At a knot the last point of one
+ * span and the first of the next are the same blossom, by the same steps of de Boor's algorithm, so the same bits; but
+ * where the knot repeats degree + 1 times, and the surface is torn. */
 static void split_row(const ep_nurbs *n, int axis, const ep_point *row, size_t stride, ep_point *out, size_t out_stride,
                       size_t span_stride)
 {
-    const unsigned p = n->degree[axis];
     const double *knots = n->knots[axis];
-    const ep_point *last = NULL;
-    for (size_t i = p; (i = ep_knots_next_span(knots, n->count[axis], i)) < n->count[axis]; ++i, out += span_stride) {
-        ep_knots_bezier(row[0], 4, 4 * stride, p, knots, i, out[0], 4 * out_stride);
-        if (last && knots[i - p] < knots[i]) memcpy(out[0], *last, sizeof out[0]);
-        last = (const ep_point *)(out + p * out_stride);
-    }
+    size_t i = n->degree[axis];
+    for (; (i = ep_knots_next_span(knots, n->count[axis], i)) < n->count[axis]; ++i, out += span_stride)
+        ep_knots_bezier(row[0], 4, 4 * stride, n->degree[axis], knots, i, out[0], 4 * out_stride);
 }
 
 static void place_patches(const ep_nurbs *n, double (*places)[6])

@@ -16,16 +16,16 @@ _Static_assert((int)EP_TRIMMED_PARTS >= (int)EP_SPLIT_MOST, "room for every spli
 /* Curves along a border, or along a straight cut, cross nothing; what a leaf loses there is not missed (EP_BORDER). */
 static const double seam = 0x1p-38;
 
-/* What share of the patch's domain a crossed leaf may cover; smaller ones gain less than another level costs. The time
- * of the point test plays no part: a ray that passes through what was cut away pays for finding the root, which takes
- * many times as long, in every crossed leaf on its way. */
+/* What share of what is trimmed, the patch's domain or its face's, a crossed leaf may cover; smaller ones gain less
+ * than another level costs. The time of the point test plays no part: a ray that passes through what was cut away pays
+ * for finding the root, which takes many times as long, in every crossed leaf on its way. */
 static const double smallest = 0x1p-14;
 
 /* Where so many curves are so close together that leaves of that size along them cover so much of the domain, dividing
  * wins less than it costs: rays meet several times as many leaves, and most of them still test. */
 enum { CROWD = 16 };
 static const double crowded = 0.2;
-/* Even then down to such parts of the patch: beside the curves such leaves are nothing, and flatter ones leave fewer
+/* Even then down to such parts of it: beside the curves such leaves are nothing, and flatter ones leave fewer
  * rays undecided. */
 static const double coarse = 0x1p-6;
 
@@ -57,11 +57,12 @@ ep_trim_domain ep_trimmed_domain(ep_kind_id kind, const ep_domain *d)
     return ep_domain_polygon(3, corner, -seam * far);
 }
 
-static bool is_crowded(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, double share)
+/* `share`: of the patch's domain, of which `least` is the smallest share of a leaf. */
+static bool is_crowded(const ep_trim *trim, const ep_trim_part *part, const ep_domain *d, double share, double least)
 {
-    if (part->pieces < CROWD || share > coarse) return false;
+    if (part->pieces < CROWD || share * trim->share > coarse) return false;
     const double across = hypot(fabs(d->uu) + fabs(d->uv), fabs(d->vv) + fabs(d->vu));
-    return ep_trim_part_length(trim, part->words, across) * sqrt(smallest) > crowded * share;
+    return ep_trim_part_length(trim, part->words, across) * sqrt(least) > crowded * share;
 }
 
 bool ep_trimmed_wants_split(const ep_trim *trim, const ep_trim_part *part, ep_kind_id kind, const ep_domain *d,
@@ -69,13 +70,13 @@ bool ep_trimmed_wants_split(const ep_trim *trim, const ep_trim_part *part, ep_ki
 {
     if (way == EP_TRIM_SPLIT_NONE) return false;
     /* of the unit square or the unit triangle */
-    const double share = fabs(d->uu * d->vv - d->uv * d->vu);
-    if (share < smallest) return false;
+    const double share = fabs(d->uu * d->vv - d->uv * d->vu), least = smallest / trim->share;
+    if (share < least) return false;
     const ep_trim_domain domain = ep_trimmed_domain(kind, d);
     /* curves that come from so far away that no part could be told to be clear of them */
     if (ep_domain_rounding(&domain, trim->scale) > 0x1p-6 * sqrt(share)) return false;
     if (way == EP_TRIM_SPLIT_REGULAR) return true;
-    if (is_crowded(trim, part, d, share)) return false;
+    if (is_crowded(trim, part, d, share, least)) return false;
     if (way != EP_TRIM_SPLIT_COST) return true;
     return ep_trim_expect(trim, part, &domain, &ep_trim_usual_costs) > split_cost;
 }

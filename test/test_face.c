@@ -264,6 +264,44 @@ static void error_bounds_are_those_of_all_patches(void **state)
     epReleaseGeometry(g);
 }
 
+/* A disc in the parameters of all faces keeps of each what is in it. */
+static void trims_are_in_the_faces_parameters(void **state)
+{
+    (void)state;
+    static surface s;
+    unsigned kept = 0, gone = 0;
+    for (uint64_t seed = 11; seed <= 14; ++seed) {
+        random_surface(seed, &s);
+        oracle *o = new_oracle(s.patches, PATCHES);
+        EPGeometry disc = new_joined(&s, NULL);
+        EPRegion region = epNewRegion();
+        const double radius = 2, band = 1e-4;
+        assert_int_equal(epAddRegionCircle(region, (const double[6]){radius, 0, 0, radius, 0.5, 0.5}), EP_OK);
+        assert_int_equal(epSetPatchTrim(disc, 0, PATCHES, region), EP_OK);
+        assert_int_equal(epCommitGeometry(disc), EP_OK);
+        epReleaseRegion(region);
+        test_scene whole = scene_of(new_joined(&s, NULL)), trimmed = scene_of(disc);
+        for (unsigned k = 0; k < 4000 / TEST_STEP; ++k) {
+            rng r = rng_split(seed, 5, k);
+            float org[3], dir[3];
+            aim(o, AIM_AT, &r, org, dir);
+            const judge_answer a = trace_one(whole.scene, org, dir, 0, INFINITY),
+                               b = trace_one(trimmed.scene, org, dir, 0, INFINITY);
+            if (!(a.t < (double)INFINITY)) continue;
+            const double out = hypot(a.u - 0.5, a.v - 0.5) - radius;
+            CHECK(!(b.t < (double)INFINITY) || hypot(b.u - 0.5, b.v - 0.5) < radius + band, "%g %g", b.u, b.v);
+            if (fabs(out) < band) continue;
+            ++*(out < 0 ? &kept : &gone);
+            const bool met = a.patch == b.patch && fabs(a.t - b.t) < 1e-5; /* its leaves are others */
+            CHECK(met == (out < 0), "face %u, u %.9g v %.9g", a.patch, a.u, a.v);
+        }
+        free_scene(&whole);
+        free_scene(&trimmed);
+        oracle_free(o);
+    }
+    CHECK(kept > 1000 / TEST_STEP && gone > 1000 / TEST_STEP, "%u, %u", kept, gone);
+}
+
 static void wrong_joins_are_refused(void **state)
 {
     (void)state;
@@ -330,6 +368,7 @@ int main(void)
         cmocka_unit_test(ties_are_broken_in_the_face),
         cmocka_unit_test(points_are_those_of_patches),
         cmocka_unit_test(error_bounds_are_those_of_all_patches),
+        cmocka_unit_test(trims_are_in_the_faces_parameters),
         cmocka_unit_test(wrong_joins_are_refused),
         cmocka_unit_test(every_allocation_fails_once),
     };

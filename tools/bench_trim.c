@@ -32,8 +32,8 @@ struct trim_subject {
     scene_object object;
     patch *patches;
     world *world;
-    ep_trim_tester **testers; /* of each patch; neighbours trimmed by the same region share one */
-    size_t tester_bytes;
+    ep_trim_tester **testers; /* of each face; neighbours trimmed by the same region share one */
+    size_t tester_count, tester_bytes;
     double seconds[BENCH_WORKLOADS]; /* that a block takes, about */
     size_t turns[BENCH_WORKLOADS];   /* over the blocks, so far   */
     EPCounters cost[BENCH_WORKLOADS];
@@ -59,31 +59,30 @@ static void filter(const struct RTCFilterFunctionNArguments *a)
     }
 }
 
-static bool shares_tester(const trim_subject *t, size_t i, const patch *trimmed)
-{
-    return i && trimmed[i].trim == trimmed[i - 1].trim && t->testers[i - 1];
-}
-
 static bool new_testers(trim_subject *t, const patch *trimmed)
 {
-    t->testers = calloc(t->geometry.patch_count, sizeof *t->testers);
+    const scene_geometry *g = &t->geometry;
+    ep_trim_tester *last = NULL; /* of the patch before */
+    const size_t faces = g->patch_count ? (size_t)face_of(g, g->patch_count - 1) + 1 : 0;
+    t->testers = calloc(faces + 1, sizeof *t->testers);
     if (!t->testers) return report_no_memory(t->scene.path), false;
-    for (size_t i = 0; i < t->geometry.patch_count; ++i) {
+    t->tester_count = faces;
+    for (size_t i = 0; i < g->patch_count; ++i) {
         ep_message m;
         const EPRegion r = trimmed[i].trim;
+        if (!r || !i || r != trimmed[i - 1].trim) last = NULL;
         if (!r) continue;
-        if (shares_tester(t, i, trimmed)) {
-            t->testers[i] = t->testers[i - 1];
-        } else if (ep_trim_tester_new(r->region, r->trim, t->way->method, &t->testers[i], &m) == EP_OK) {
-            t->tester_bytes += ep_trim_tester_bytes(t->testers[i]);
-        } else {
-            return report_file(t->scene.path, "%s", m.text), false;
+        if (!last) {
+            if (ep_trim_tester_new(r->region, r->trim, t->way->method, &last, &m) != EP_OK)
+                return report_file(t->scene.path, "%s", m.text), false;
+            t->tester_bytes += ep_trim_tester_bytes(last);
         }
+        t->testers[face_of(g, i)] = last;
     }
-    RTCGeometry g = rtcGetGeometry(t->world->rtc, 0);
-    rtcSetGeometryIntersectFilterFunction(g, filter);
-    rtcSetGeometryOccludedFilterFunction(g, filter);
-    rtcCommitGeometry(g);
+    RTCGeometry rtc = rtcGetGeometry(t->world->rtc, 0);
+    rtcSetGeometryIntersectFilterFunction(rtc, filter);
+    rtcSetGeometryOccludedFilterFunction(rtc, filter);
+    rtcCommitGeometry(rtc);
     rtcCommitScene(t->world->rtc);
     return true;
 }
@@ -125,8 +124,12 @@ trim_subject *trim_subject_new(const scene *s, size_t geometry, const trim_way *
 void trim_subject_free(trim_subject *t)
 {
     if (!t) return;
-    for (size_t i = 0; t->testers && i < t->geometry.patch_count; ++i)
-        if (!i || t->testers[i] != t->testers[i - 1]) ep_trim_tester_free(t->testers[i]);
+    ep_trim_tester *last = NULL;
+    for (size_t i = 0; i < t->tester_count; ++i) {
+        if (!t->testers[i] || t->testers[i] == last) continue;
+        last = t->testers[i];
+        ep_trim_tester_free(last);
+    }
     free(t->testers);
     world_free(t->world);
     free(t->patches);

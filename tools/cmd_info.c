@@ -101,9 +101,10 @@ static void print_sort(const sort *s)
            degree, s->rational ? "rational" : "polynomial");
 }
 
-static void print_cage(const scene_geometry *g)
+static void print_faces(const scene_geometry *g, size_t faces)
 {
     if (g->cage) printf("  %zu faces of a cage of %zu vertices\n", g->cage->face_count, g->cage->vertex_count);
+    else if (g->charts) printf("  %zu face%s\n", faces, faces == 1 ? "" : "s");
 }
 
 static void print_table(const world *w, const geometry_info *infos, const EPStatistics *total,
@@ -122,7 +123,7 @@ static void print_table(const world *w, const geometry_info *infos, const EPStat
         char number[32];
         snprintf(number, sizeof number, "%zu", i);
         print_row(infos[i].name ? infos[i].name : number, &infos[i].statistics);
-        print_cage(&s->geometries[i]);
+        print_faces(&s->geometries[i], infos[i].statistics.faces);
         for (size_t k = 0; k < infos[i].sort_count; ++k) print_sort(&infos[i].sorts[k]);
         if (infos[i].copies)
             printf("  and %zu cop%s, where objects put them\n", infos[i].copies, infos[i].copies == 1 ? "y" : "ies");

@@ -116,6 +116,7 @@ EPStatus ep_trim_new(const ep_region *region, ep_trim **trim, ep_message *m)
     if (!t) return no_memory(m);
     memset(t, 0, sizeof *t);
     t->scale = k.region.scale;
+    t->share = 1;
     k.first_piece = ep_alloc(k.region.curve_count + 1, sizeof *k.first_piece);
     s = k.first_piece ? make_pieces(&k) : no_memory(m);
     if (!s) {

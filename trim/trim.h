@@ -77,6 +77,7 @@ typedef struct ep_trim {
     ep_point2h *points;
     size_t piece_count, point_count;
     double scale;        /* the largest coordinate of a point                  */
+    double share;        /* the part of what is trimmed that is the unit square: 1, less for a patch of a face */
     ep_point2 lo, hi;    /* the box of all pieces                              */
     ep_trim_part root;   /* the whole plane                                    */
     ep_trim_store cells; /* node 0 decides any point: a box, and a grid if it can be */
