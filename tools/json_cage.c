@@ -5,7 +5,6 @@
 #include "tools/args.h"
 #include "tools/cage_build.h"
 
-#include <math.h>
 #include <string.h>
 
 /* One of `names`. */
@@ -19,14 +18,6 @@ static bool read_choice(const json_reader *r, const json_node *n, const char *wh
     const char *nearest = args_nearest(name, names, count);
     if (nearest) return json_wrong(r, n, "%s is '%s'; did you mean '%s'?", what, name, nearest);
     return json_wrong(r, n, "%s is '%s', which is not known", what, name);
-}
-
-static bool read_whole(const json_reader *r, const json_node *n, const char *what, double least, double most,
-                       double *to)
-{
-    if (!json_read_number(r, n, what, to)) return false;
-    if (*to >= least && *to <= most && *to == floor(*to)) return true;
-    return json_wrong(r, n, "%s is %.10g, not a whole number from %.10g to %.10g", what, *to, least, most);
 }
 
 static bool read_options(const json_reader *r, const json_node *n, model_options *o)
@@ -43,7 +34,7 @@ static bool read_options(const json_reader *r, const json_node *n, model_options
     *o = (model_options){.polygons_are_cage = true};
     if (scheme.json && !read_choice(r, &scheme, "'scheme'", schemes, ARG_COUNT(schemes), &i)) return false;
     o->scheme = (cage_scheme)i;
-    if (level.json && !read_whole(r, &level, "'level'", 1, CAGE_LEVEL_MAX, &depth)) return false;
+    if (level.json && !json_read_whole(r, &level, "'level'", 1, CAGE_LEVEL_MAX, &depth)) return false;
     o->level = (unsigned)depth;
     if (!boundary.json) return true;
     if (!read_choice(r, &boundary, "'boundary'", boundaries, ARG_COUNT(boundaries), &i)) return false;
@@ -64,18 +55,6 @@ bool json_read_model_options(const json_reader *r, const json_node *n, model_opt
         const json_node e = json_member(n, of_cages[i]);
         if (e.json) return json_wrong_key(r, &e, "'%s' goes with \"as\": \"subdivision\"", of_cages[i]);
     }
-    return true;
-}
-
-/* `what` of which there are `count`. */
-static bool read_index(const json_reader *r, const json_node *n, const char *what, size_t count, uint32_t *to)
-{
-    double x = 0;
-    if (!count) return json_wrong(r, n, "there are no %s", what);
-    char name[40];
-    snprintf(name, sizeof name, "an index into %s", what);
-    if (!read_whole(r, n, name, 0, (double)(count - 1), &x)) return false;
-    *to = (uint32_t)x;
     return true;
 }
 
@@ -102,7 +81,7 @@ static bool read_face(const json_reader *r, const json_node *n, cage_builder *b)
     for (size_t i = 0; i < json_array_size(n->json); ++i) {
         const json_node e = json_element(n, i);
         uint32_t vertex = 0;
-        if (!read_index(r, &e, "vertices", b->cage->vertex_count, &vertex)) return false;
+        if (!json_read_index(r, &e, "vertices", b->cage->vertex_count, &vertex)) return false;
         problem = cage_add_face_corner(b, vertex);
         if (problem) return json_wrong(r, &e, "%s", problem);
     }
@@ -116,7 +95,7 @@ static bool read_chain(const json_reader *r, const json_node *n, size_t count, f
     uint32_t from = 0, to = 0;
     for (size_t i = 0; i < count; ++i, from = to) {
         const json_node e = json_element(n, i);
-        if (!read_index(r, &e, "vertices", b->cage->vertex_count, &to)) return false;
+        if (!json_read_index(r, &e, "vertices", b->cage->vertex_count, &to)) return false;
         const char *problem = i ? cage_add_crease(b, from, to, sharpness) : NULL;
         if (problem) return json_wrong(r, &e, "%s", problem);
     }
@@ -157,7 +136,7 @@ static bool read_corner(const json_reader *r, const json_node *n, cage_builder *
     const json_node v = json_element(n, 0), s = json_element(n, 1);
     uint32_t vertex = 0;
     float sharpness = 0;
-    if (!read_index(r, &v, "vertices", b->cage->vertex_count, &vertex) || !read_sharpness(r, &s, &sharpness))
+    if (!json_read_index(r, &v, "vertices", b->cage->vertex_count, &vertex) || !read_sharpness(r, &s, &sharpness))
         return false;
     const char *problem = cage_add_corner(b, vertex, sharpness);
     return !problem || json_wrong(r, n, "%s", problem);
@@ -166,7 +145,7 @@ static bool read_corner(const json_reader *r, const json_node *n, cage_builder *
 static bool read_hole(const json_reader *r, const json_node *n, cage_builder *b)
 {
     uint32_t face = 0;
-    if (!read_index(r, n, "faces", b->cage->face_count, &face)) return false;
+    if (!json_read_index(r, n, "faces", b->cage->face_count, &face)) return false;
     const char *problem = cage_add_hole(b, face);
     return !problem || json_wrong(r, n, "%s", problem);
 }

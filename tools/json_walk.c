@@ -4,6 +4,7 @@
 #include "tools/json_walk.h"
 #include "tools/args.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -95,6 +96,24 @@ bool json_read_number(const json_reader *r, const json_node *n, const char *what
     if (!json_is_number(n->json))
         return json_wrong(r, n, "%s is %s, not a number", what, type_name(json_typeof(n->json)));
     *to = json_number_value(n->json);
+    return true;
+}
+
+bool json_read_whole(const json_reader *r, const json_node *n, const char *what, double least, double most, double *to)
+{
+    if (!json_read_number(r, n, what, to)) return false;
+    if (*to >= least && *to <= most && *to == floor(*to)) return true;
+    return json_wrong(r, n, "%s is %.10g, not a whole number from %.10g to %.10g", what, *to, least, most);
+}
+
+bool json_read_index(const json_reader *r, const json_node *n, const char *what, size_t count, uint32_t *to)
+{
+    double x = 0;
+    if (!count) return json_wrong(r, n, "there are no %s", what);
+    char name[40];
+    snprintf(name, sizeof name, "an index into %s", what);
+    if (!json_read_whole(r, n, name, 0, fmin((double)(count - 1), UINT32_MAX), &x)) return false;
+    *to = (uint32_t)x;
     return true;
 }
 

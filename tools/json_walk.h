@@ -11,6 +11,7 @@
 
 #include <jansson.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 typedef struct json_reader {
     const char *path, *text;
@@ -37,6 +38,9 @@ bool json_is(const json_reader *r, const json_node *n, json_type type, const cha
 bool json_only_keys(const json_reader *r, const json_node *object, const char *what, const char *const *keys,
                     size_t count);
 bool json_read_number(const json_reader *r, const json_node *n, const char *what, double *to);
+bool json_read_whole(const json_reader *r, const json_node *n, const char *what, double least, double most, double *to);
+/* `what` of which there are `count`. */
+bool json_read_index(const json_reader *r, const json_node *n, const char *what, size_t count, uint32_t *to);
 bool json_read_numbers(const json_reader *r, const json_node *n, const char *what, size_t count, double *to);
 bool json_read_string(const json_reader *r, const json_node *n, const char *what, char **to);
 
