@@ -84,11 +84,11 @@ static bool read_patch(const json_reader *r, const json_node *n, patch_kind kind
     return true;
 }
 
-static bool read_patches(const json_reader *r, const json_node *n, patch_kind kind, const unsigned degree[2],
-                         scene_geometry *g)
+bool json_read_patches(const json_reader *r, const json_node *n, patch_kind kind, const unsigned degree[2],
+                       scene_geometry *g)
 {
     json_node patches = json_member(n, "patches");
-    if (!patches.json) return json_wrong(r, n, "a geometry of Bézier patches needs 'patches'");
+    if (!patches.json) return json_wrong(r, n, "a geometry of patches needs 'patches'");
     if (!json_is(r, &patches, JSON_ARRAY, "'patches'")) return false;
     for (size_t i = 0; i < json_array_size(patches.json); ++i) {
         json_node e = json_element(&patches, i);
@@ -104,7 +104,7 @@ bool json_read_bezier_triangles(const json_reader *r, const json_node *n, scene_
     if (!d.json) return json_wrong(r, n, "a geometry of Bézier triangles needs 'degree'");
     if (!read_degree(r, &d, &degree[0])) return false;
     degree[1] = degree[0];
-    return read_patches(r, n, PATCH_TRIANGLE, degree, g);
+    return json_read_patches(r, n, PATCH_TRIANGLE, degree, g);
 }
 
 /* "degree": [in u, in v] of `what`. */
@@ -124,7 +124,8 @@ static bool read_degrees(const json_reader *r, const json_node *n, const char *w
 bool json_read_bezier(const json_reader *r, const json_node *n, scene_geometry *g)
 {
     unsigned degree[2] = {0, 0};
-    return read_degrees(r, n, "a geometry of Bézier patches", degree) && read_patches(r, n, PATCH_TENSOR, degree, g);
+    return read_degrees(r, n, "a geometry of Bézier patches", degree) &&
+           json_read_patches(r, n, PATCH_TENSOR, degree, g);
 }
 
 static double *read_knots(const json_reader *r, const json_node *n, size_t *count)

@@ -8,6 +8,7 @@
 #include "tools/files.h"
 #include "tools/json_cage.h"
 #include "tools/json_patches.h"
+#include "tools/json_triangles.h"
 #include "tools/model.h"
 
 #include <float.h>
@@ -34,7 +35,7 @@ static bool read_model(const json_reader *r, const json_node *n, scene_geometry 
     return done && (!as.json || g->cage || json_wrong(r, &as, "the file has no polygons"));
 }
 
-/* What a geometry may be. A type without a reader is known to the format and not to this version. */
+/* What a geometry may be. */
 typedef struct geometry_type {
     const char *name;
     bool (*read)(const json_reader *r, const json_node *n, scene_geometry *g);
@@ -49,9 +50,9 @@ static const geometry_type types[] = {
      json_read_cage,
      {"vertices", "faces", "creases", "corners", "holes", "scheme", "level", "boundary"}},
     {"nurbs", json_read_nurbs, {"degree", "knots", "points"}},
-    {"quadratic_triangles", NULL, {NULL}},
-    {"phong_triangles", NULL, {NULL}},
-    {"pn_triangles", NULL, {NULL}},
+    {"quadratic_triangles", json_read_quadratic_triangles, {"patches"}},
+    {"phong_triangles", json_read_phong_triangles, {"vertices", "normals", "triangles", "alpha"}},
+    {"pn_triangles", json_read_pn_triangles, {"vertices", "normals", "triangles"}},
 };
 
 /* NULL after a message. */
@@ -65,9 +66,7 @@ static const geometry_type *find_type(const json_reader *r, const json_node *n)
     const char *name = json_string_value(type.json);
     for (size_t i = 0; i < ARG_COUNT(types); ++i) {
         names[i] = types[i].name;
-        if (strcmp(name, names[i])) continue;
-        if (types[i].read) return &types[i];
-        return json_wrong(r, &type, "geometry of type '%s' is not supported yet", name), NULL;
+        if (!strcmp(name, names[i])) return &types[i];
     }
     const char *nearest = args_nearest(name, names, ARG_COUNT(names));
     if (nearest) json_wrong(r, &type, "no type of geometry is called '%s'; did you mean '%s'?", name, nearest);
