@@ -369,6 +369,42 @@ def star(sharpness, points=5, inner=0.45, height=0.7):
     return vertices, faces, creases
 
 
+# ---------------------------------------------------------------------------------------------- curved triangles
+
+
+def tube_mesh(f, columns, rows):
+    """A mesh of triangles over a periodic grid of f, with f's normals: vertices, normals, triangles."""
+    vertices, normals, triangles = [], [], []
+    for b in range(rows):
+        for a in range(columns):
+            vertices.append(f(a, b))
+            normals.append(unit(cross(*gradient(f, a, b))))
+            at = lambda i, j: (b + j) % rows * columns + (a + i) % columns
+            triangles += [[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]]
+    return vertices, normals, triangles
+
+
+def knot_mesh(columns=18, rows=4):
+    return tube_mesh(lambda a, b: knot_surface(a * KNOT_LENGTH / columns, b * KNOT_ROUND / rows), columns, rows)
+
+
+def icosahedron():
+    """Vertices on the unit sphere, and the faces, whose normals point outwards."""
+    g = (1 + sqrt(5)) / 2
+    vertices = [unit(p) for s in (1, -1) for t in (g, -g) for p in ((0, s, t), (s, t, 0), (t, 0, s))]
+    near = lambda a, b: dot(a, b) > 0.4
+    faces = [(a, b, c) for a in vertices for b in vertices for c in vertices
+             if a < b and a < c and near(a, b) and near(b, c) and near(c, a) and dot(a, cross(b, c)) > 0]
+    return vertices, faces
+
+
+def sphere_quadratic():
+    """Nearly a sphere: the faces of an icosahedron as quadratic triangles that have the sphere's points at their corners
+    and in the middle of their edges."""
+    middle = lambda a, b: unit(add(a, b))
+    return [[a, b, c, middle(b, c), middle(a, c), middle(a, b)] for a, b, c in icosahedron()[1]]
+
+
 # ---------------------------------------------------------------------------------------------- writing
 
 
@@ -385,8 +421,15 @@ def point(p):
 def geometry(name, kind, degree, patches, trim=None):
     lines = ",\n        ".join("[" + ", ".join(map(point, patch)) + "]" for patch in patches)
     trims = '\n      "trim": %s,' % json.dumps(trim) if trim else ""
-    return ('    { "name": "%s", "type": "%s", "degree": %s,%s\n      "patches": [\n        %s ] }'
-            % (name, kind, json.dumps(degree), trims, lines))
+    degrees = ' "degree": %s,' % json.dumps(degree) if degree else ""
+    return ('    { "name": "%s", "type": "%s",%s%s\n      "patches": [\n        %s ] }'
+            % (name, kind, degrees, trims, lines))
+
+
+def mesh_geometry(name, kind, mesh, more=""):
+    vertices, normals, triangles = mesh
+    return ('    { "name": "%s", "type": "%s",%s\n      "vertices": [%s],\n      "normals": [%s],\n      "triangles": %s }'
+            % (name, kind, more, ", ".join(map(point, vertices)), ", ".join(map(point, normals)), json.dumps(triangles)))
 
 
 def cage(name, vertices, faces, creases):
@@ -521,6 +564,18 @@ def files():
            for k in range(4)]
         + [item("backdrop", "slate")],
         ((1.2, -14.5, 6.6), (0.1, -0.2, 1.3), 28))
+
+    knots = [mesh_geometry("flat", "phong_triangles", knot_mesh(), ' "alpha": 0,'),
+             mesh_geometry("phong", "phong_triangles", knot_mesh()), mesh_geometry("pn", "pn_triangles", knot_mesh())]
+    ball = geometry("ball", "quadratic_triangles", None, sphere_quadratic())
+    models["scenes/triangles.json"] = scene(
+        knots + [ball, backdrop],
+        [item(name, colour, turned(0, "z", 1.0, (7.3 * k - 7.3, 0, foot)))
+         for k, (name, colour) in enumerate(zip(("flat", "phong", "pn"), ("ivory plastic", "copper", "gold")))]
+        + [item("ball", colour + " plastic", turned(31 * k, "z", 0.9, (3.65 * k - 7.3, -4.2, 0.9)))
+           for k, colour in enumerate(("red", "orange", "green", "teal", "violet"))]
+        + [item("backdrop", "paper")],
+        ((0, -24, 8), (0, -0.5, 2.55), 24.5))
     return models
 
 
@@ -602,7 +657,16 @@ class Patch:
 def read(path):
     with open(os.path.join(HERE, path), encoding="utf-8") as f:
         data = json.load(f)
-    return [Patch(g["type"], g["degree"], points) for g in data["geometry"] for points in g.get("patches", [])]
+    return [Patch(g["type"], g.get("degree"), points) for g in data["geometry"] for points in g.get("patches", [])]
+
+
+def read_quadratic(path):
+    """The quadratic triangles of a file, as Bezier triangles."""
+    patches = []
+    for p1, p2, p3, p4, p5, p6 in (p.points for p in read(path) if p.kind == "quadratic_triangles"):
+        across = lambda a, b, m: add(mul(2, m), mul(-0.5, add(a, b)))
+        patches.append(Patch("bezier_triangles", 2, [p3, across(p1, p3, p5), p1, across(p2, p3, p4), across(p1, p2, p6), p2]))
+    return patches
 
 
 def check_closed(patches):
@@ -615,6 +679,22 @@ def check_closed(patches):
     for edge, owners in seen.items():
         if len(owners) != 1 or len(seen.get(edge[::-1], [])) != 1:
             raise AssertionError("the edge from %s to %s has no unique neighbour" % (edge[0], edge[-1]))
+
+
+def check_meshes(path, count):
+    """So many meshes with normals are closed: each edge belongs to two triangles, which run along it in opposite
+    directions; and all triangles face to where their normals point."""
+    with open(os.path.join(HERE, path), encoding="utf-8") as f:
+        meshes = [g for g in json.load(f)["geometry"] if "triangles" in g]
+    assert len(meshes) == count
+    for g in meshes:
+        edges = [(t[k - 1], t[k]) for t in g["triangles"] for k in range(3)]
+        if len(set(edges)) != len(edges) or {(b, a) for a, b in edges} != set(edges):
+            raise AssertionError("the mesh '%s' is not closed" % g["name"])
+        for t in g["triangles"]:
+            p, q, r = (g["vertices"][k] for k in t)
+            if not dot(cross(sub(q, p), sub(r, p)), add(*(g["normals"][k] for k in t))) > 0:
+                raise AssertionError("a triangle of '%s' faces against its normals" % g["name"])
 
 
 def check_implicit(patches, f, tolerance):
@@ -672,9 +752,15 @@ def check():
         (patch,) = read(name + ".json")
         assert patch.degree == degree and all(p[3] > 0 for p in patch.points)
         assert ("rational" in name) == any(p[3] != 1 for p in patch.points)
+    ball = read_quadratic("scenes/triangles.json")
+    assert len(ball) == 20
+    check_closed(ball)
+    check_implicit(ball, lambda p: sqrt(dot(p, p)) - 1, 0.02)
+    check_outward(ball, lambda p: p)
+    check_meshes("scenes/triangles.json", 3)
     for name in files():
         read(name)
-    print("ok   %d files: spheres and torus exact to 1e-15, four closed models watertight, the knot smooth"
+    print("ok   %d files: spheres and torus exact to 1e-15, eight closed models watertight, the knot smooth"
           % len(files()))
 
 

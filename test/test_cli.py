@@ -238,8 +238,6 @@ def bad_scenes():
                           ('{"union": [' * 300 + '{"circle": {}}' + "]}" * 300, "regions are nested more than 256 deep"),
                           ('{"circle": {}, "transform": [1, 0, 0]}', "a transform has 3 numbers, not 6")):
         yield patched('"name"', '"trim": %s, "name"' % trim), r":1:\d+: " + message
-    for kind in ("quadratic_triangles", "phong_triangles", "pn_triangles"):
-        yield scene({"type": kind}), rf":1:\d+: geometry of type '{kind}' is not supported yet"
     yield scene({"type": "bezier", "degree": [1, 1]}), r"needs 'patches'"
     surface = {"type": "nurbs", "degree": [1, 1], "knots": [[0, 0, 1, 1], [0, 0, 2, 3, 3]], "points": [[i % 2, i // 2, 0] for i in range(6)]}
     for change, message in (({"degree": 1}, r"'degree' is .*not a list|'degree' .*"), ({"degree": [1, 26]}, "a degree is 26"),
@@ -883,6 +881,210 @@ def test_copies_are_limited():
 
 
 BENCH = ("--runs", "1", "--rays", "256", "--max-tessellation", "16")
+
+
+# Curved triangles: their formulas as the papers have them, on (x, y, z), weights b of the corners in their order.
+
+
+def combine(*pairs):
+    return tuple(sum(w * p[c] for w, p in pairs) for c in range(3))
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def unit(a):
+    return combine((1 / math.sqrt(dot(a, a)), a))
+
+
+def projected(q, p, n):
+    """q onto the plane through p that n is normal to."""
+    return combine((1, q), (-dot(combine((1, q), (-1, p)), n), n))
+
+
+def phong_point(p, n, b, alpha):
+    flat = combine(*zip(b, p))
+    return combine((1 - alpha, flat), *((alpha * b[i], projected(flat, p[i], n[i])) for i in range(3)))
+
+
+def pn_point(p, n, b, _):
+    near = {(i, j): projected(combine((2 / 3, p[i]), (1 / 3, p[j])), p[i], n[i])
+            for i in range(3) for j in range(3) if i != j}
+    middle = combine(*((1 / 4, q) for q in near.values()), *((-1 / 6, q) for q in p))
+    return combine(*((b[i]**3, p[i]) for i in range(3)), *((3 * b[i]**2 * b[j], q) for (i, j), q in near.items()),
+                   (6 * b[0] * b[1] * b[2], middle))
+
+
+def quadratic_point(p, u, v):
+    w = 1 - u - v
+    p1, p2, p3, p4, p5, p6 = p
+    return combine((u * u, p1), (v * v, p2), (w * w, p3), (4 * u * v, p6), (-u * v, p1), (-u * v, p2), (4 * u * w, p5),
+                   (-u * w, p1), (-u * w, p3), (4 * v * w, p4), (-v * w, p2), (-v * w, p3))
+
+
+def normal_at(f, u, v, h=1e-5):
+    """f's derivatives, crossed: differences of cubics are off by h * h."""
+    du, dv = (combine((.5 / h, f(u + a, v + b)), (-.5 / h, f(u - a, v - b))) for a, b in ((h, 0), (0, h)))
+    return tuple(du[(c + 1) % 3] * dv[(c + 2) % 3] - du[(c + 2) % 3] * dv[(c + 1) % 3] for c in range(3))
+
+
+def hit_surface(f, u, v):
+    """A ray that meets f from outside at (u, v), from nearby, at t = 0.5; and the normal there."""
+    p, n = f(u, v), normal_at(f, u, v)
+    d = combine((-.4, unit(n)), (.1, (n[1], n[2], n[0])))
+    return (*combine((1, p), (-.5, d)), 0, *d, 1), n
+
+
+def ball(noise=0.0, octahedron=False):
+    """A closed mesh about the origin: vertices, normals of any length, triangles that run counterclockwise outside."""
+    g = (1 + math.sqrt(5)) / 2
+    points = [(0, s, t) for s in (1, -1) for t in (g, -g)] + [(s, t, 0) for s in (1, -1) for t in (g, -g)] + [
+        (t, 0, s) for s in (1, -1) for t in (g, -g)]
+    near = 0.4
+    if octahedron:
+        points, near = [tuple(s * (c == k) for c in range(3)) for s in (1, -1) for k in range(3)], -0.5
+    points = [unit(p) for p in points]
+    triangles = []
+    for a, b, c in ((a, b, c) for a in range(len(points)) for b in range(a) for c in range(b)):
+        p, q, r = points[a], points[b], points[c]
+        if min(dot(p, q), dot(q, r), dot(r, p)) > near:
+            outwards = sum(p[i] * (q[(i + 1) % 3] * r[(i + 2) % 3] - q[(i + 2) % 3] * r[(i + 1) % 3]) for i in range(3)) > 0
+            triangles.append([[a, b, c], [b, c, a], [c, a, b]][a % 3] if outwards else [b, a, c])
+    shaken = [combine((1 + noise * math.sin(7 * i), p)) for i, p in enumerate(points)]
+    normals = [combine((1 + i, p), (noise * (1 + i), tuple(math.sin(5 * i + c) for c in range(3))))
+               for i, p in enumerate(points)]
+    return shaken, normals, triangles
+
+
+def curved(kind, mesh, **more):
+    vertices, normals, triangles = mesh
+    return {"type": kind, "vertices": vertices, "normals": normals, "triangles": triangles, **more}
+
+
+WEIGHTS = [(.2, .3), (.6, .1), (.05, .9), (1 / 3, 1 / 3), (.02, .03), (.96, .02)]
+
+
+def test_curved_triangles():
+    vertices, normals, triangles = mesh = ball(.1)
+    check(len(triangles) == 20, f"an icosahedron of {len(triangles)} triangles")
+    found, rays_of = {}, {}
+    for kind, point, more, alpha in (("phong_triangles", phong_point, {}, .75),
+                                     *(("phong_triangles", phong_point, {"alpha": a}, a) for a in (0, .75, 1, .3)),
+                                     ("pn_triangles", pn_point, {}, None)):
+        rays, normals_there, places = [], [], []
+        for i, t in enumerate(triangles):
+            p, n = [vertices[k] for k in t], [unit(normals[k]) for k in t]
+            for u, v in WEIGHTS:
+                ray, ng = hit_surface(lambda u, v: point(p, n, (1 - u - v, u, v), alpha), u, v)
+                rays.append(ray)
+                normals_there.append(ng)
+                places.append((u, v, i))
+        rays_of[kind] = rays
+        h = found[kind, more.get("alpha")] = trace(write("ball.json", scene(curved(kind, mesh, **more))), rays)
+        for hit, ng, (u, v, i) in zip(h, normals_there, places):
+            same_hit(hit, .5, u, v, 0, i, ng, f"{kind} {more}, triangle {i} at {u}, {v}", 2e-6)
+    phong = [found["phong_triangles", a] for a in (None, 0, .75, 1, .3)]
+    check(phong[0] == phong[2] and len(set(map(tuple, phong))) == 4, "alpha is 0.75 where nothing is said")
+
+    six = [[.9, .1, 0], [.1, 1, .1], [0, 0, 0], [0, .6, .3], [.5, -.1, .2], [.6, .6, .25]]
+    shape = lambda u, v: quadratic_point(six, u, v)
+    for (u, v), p in zip(((1, 0), (0, 1), (0, 0), (0, .5), (.5, 0), (.5, .5)), six):
+        check(close(shape(u, v), p, 1e-15), f"the formula of quadratic triangles at {u}, {v}")
+    there = [hit_surface(shape, u, v) for u, v in WEIGHTS]
+    whole = {"type": "quadratic_triangles", "patches": [[[5, 5, 5]] * 6, [p + [1] for p in six]]}
+    h = trace(write("six.json", scene(whole)), [ray for ray, _ in there])
+    for hit, (u, v), (_, ng) in zip(h, WEIGHTS, there):
+        same_hit(hit, .5, u, v, 0, 1, ng, f"a quadratic triangle at {u}, {v}", 2e-6)
+
+    # trims: of one patch, and of all of a mesh, in the parameters of each
+    hole = {"difference": [{"square": {}}, {"circle": {}, "transform": [.1, 0, 0, .1, .2, .3]}]}
+    whole["patches"][1] = {"points": six, "trim": hole}
+    h = trace(write("six.json", scene(whole)), [ray for ray, _ in there])
+    check([x[4] for x in h] == [MISS] + [1] * 5, f"a trimmed quadratic triangle: {h}")
+    more = {"phong_triangles": {"alpha": .3}, "pn_triangles": {}}  # as found last
+    for kind in more:
+        h = trace(write("ball.json", scene(curved(kind, mesh, trim=hole, **more[kind]))), rays_of[kind])
+        check([x[4] for x in h] == [MISS if u == .2 else i for u, v, i in places], f"trimmed {kind}")
+
+
+def test_curved_triangles_close():
+    """No ray leaves a closed mesh: at its edges and vertices, and where it is all of one plane or less."""
+    origins = [(0, 0, 0), (.1, -.2, .05), (-.25, .15, .2)]
+    for what, (vertices, normals, triangles) in (("an icosahedron", ball(.1)), ("a regular one", ball()),
+                                                 ("an octahedron", ball(0, True))):
+        edges = {(min(a, b), max(a, b)) for t in triangles for a, b in zip(t, t[1:] + t[:1])}
+        check(len(vertices) - len(edges) + len(triangles) == 2, f"{what} is closed")
+        for kind, point in (("phong_triangles", phong_point), ("pn_triangles", pn_point), ("quadratic_triangles", None)):
+            middle = lambda a, b: combine((.6, vertices[a]), (.6, vertices[b]))
+            along = lambda a, b, s: (
+                quadratic_point([vertices[a], vertices[b], (0, 0, 0)] + [(0, 0, 0)] * 2 + [middle(a, b)], 1 - s, s)
+                if not point else point([vertices[a], vertices[b], (0, 0, 0)],
+                                        [unit(normals[a]), unit(normals[b]), (0, 0, 1)], (1 - s, s, 0), .75))
+            targets = vertices + [along(a, b, s / 16) for a, b in edges for s in range(1, 16)]
+            rays = [(*o, 0, *combine((1, t), (-1, o)), math.inf) for o in origins for t in targets]
+            mesh = curved(kind, (vertices, normals, triangles)) if point else {
+                "type": kind, "patches": [[vertices[a], vertices[b], vertices[c], middle(*sorted((b, c))),
+                                           middle(*sorted((a, c))), middle(*sorted((a, b)))] for a, b, c in triangles]}
+            name = write("closed.json", scene(mesh))
+            for width in (1, 16):
+                h = trace(name, rays, "--width", width)
+                lost = [r for r, x in zip(rays, h) if x[4] == MISS]
+                check(not lost, f"{what} of {kind}, width {width}: {len(lost)} of {len(rays)} rays leave, {lost[:2]}")
+                check(all(abs(x[0] - 1) < 1e-5 for x in h), f"{what} of {kind}: t is not 1 at all edges")
+                check(all(trace(name, rays, "--occluded", "--width", width)), f"{what} of {kind}: --occluded")
+
+    # a vertex twice, one vertex thrice, no area
+    line = ([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0]], [[0, 0, 1]] * 4, [[0, 1, 1], [2, 2, 2], [0, 1, 2], [0, 1, 3]])
+    for kind in ("phong_triangles", "pn_triangles"):
+        h = trace(write("line.json", scene(curved(kind, line))), [down(.25, .5), down(1.5, .5), down(.5, -.1)])
+        same_hit(h[0], 10, .25, .5, 0, 3, (0, 0, 1), f"{kind}: a triangle beside some without area", 1e-6)
+        check([x[4] for x in h[1:]] == [MISS] * 2, f"{kind}: triangles without area: {h}")
+        works(Run("info", write("none.json", scene(curved(kind, ([], [], []))))))
+
+
+def test_bad_curved_triangles():
+    def changed(kind="phong_triangles", **more):
+        flat = curved(kind, ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 2]] * 3, [[0, 1, 2]]), **more)
+        return scene({k: v for k, v in flat.items() if v is not None})
+
+    points = [[0, 0, 0]] * 6
+    quadratic = lambda **more: scene({"type": "quadratic_triangles", "patches": [points], **more})
+    either = [(changed(kind, **change), message) for kind in ("phong_triangles", "pn_triangles") for change, message in (
+        *(({key: None}, f"a mesh of curved triangles needs '{key}'") for key in ("vertices", "normals", "triangles")),
+        *(({key: 5}, f"'{key}' is a number, not an array") for key in ("vertices", "normals", "triangles")),
+        ({"normals": [[0, 0, 1]] * 2}, "3 vertices have as many normals, not 2"),
+        ({"vertices": [], "normals": []}, "there are no vertices"),
+        ({"vertices": [[0, 0, 0, 1]] * 3}, "a vertex has 4 numbers, not 3"),
+        ({"vertices": [[0, 0, 1e19]] * 3}, "a coordinate is beyond 1e18"),
+        ({"vertices": [[1e18, -1e18, 0], [1e18, 1e18, 0], [0, 0, 0]], "normals": [[-1, 1, 0], [-1, -1, 0], [0, 0, 1]]},
+         "a control point of the curved triangle: a coordinate is beyond 1e18"),
+        ({"normals": [[0, 0, 1]] * 2 + [[0, 0]]}, "a normal has 2 numbers, not 3"),
+        ({"normals": [[0, 0, 1]] * 2 + [["0", 0, 0]]}, "a normal is a string, not a number"),
+        ({"normals": [[0, 0, 1]] * 2 + [[0, -0.0, 0]]}, "a normal is zero"),
+        ({"triangles": [5]}, "a triangle is a number, not an array"),
+        ({"triangles": [[0, 1, 2, 0]]}, "a triangle has 3 vertices, not 4"),
+        ({"triangles": [[0, 1, 3]]}, "an index into vertices is 3, not a whole number from 0 to 2"),
+        ({"triangles": [[0, 1, -1]]}, "an index into vertices is -1"),
+        ({"triangles": [[0, 1, 0.5]]}, "an index into vertices is 0.5"),
+        ({"degree": 2}, "a geometry of this type has no key 'degree'"))]
+    for text, pattern in either + [
+        *((changed(alpha=x), f"'alpha' is {x}, not a number from 0 to 1") for x in (-.25, 1.25)),
+        (changed(alpha="1"), "'alpha' is a string, not a number"),
+        (changed("pn_triangles", alpha=1), "a geometry of this type has no key 'alpha'"),
+        (quadratic(patches=5), "'patches' is a number, not an array"),
+        (scene({"type": "quadratic_triangles"}), "a geometry of patches needs 'patches'"),
+        (quadratic(patches=[points[1:]]), "a patch of this degree has 6 points, not 5"),
+        (quadratic(patches=[points[1:] + [[0, 0, 0, 2]]]), "the points of a quadratic triangle have no weights"),
+        (quadratic(patches=[points[1:] + [[0, 9e17, 0]]]), "a control point of the curved triangle: a coordinate is beyond"),
+        (quadratic(degree=2), "a geometry of this type has no key 'degree'"),
+    ]:
+        refuses(Run("info", write("bad.json", text)), 1, r"bad\.json:1:\d+: " + pattern)
+    # the place is exact
+    for old, text, place in (("[0, 0, 2]]", "\n  [0, 0, 0]]", "2:3: a normal is zero"),
+                             ("1, 2]]", "1,\n 3]]", "2:2: an index into vertices is 3")):
+        assert old in changed()
+        refuses(Run("info", write("bad.json", changed().replace(old, text))), 1, r"bad\.json:" + place)
 
 
 def test_bench():
