@@ -399,7 +399,7 @@ def icosahedron():
 
 
 def sphere_quadratic():
-    """Nearly a sphere: the faces of an icosahedron as quadratic triangles that have the sphere's points at their corners
+    """Nearly a sphere: the faces of an icosahedron as quadratic triangles with points of the sphere at their corners
     and in the middle of their edges."""
     middle = lambda a, b: unit(add(a, b))
     return [[a, b, c, middle(b, c), middle(a, c), middle(a, b)] for a, b, c in icosahedron()[1]]
@@ -428,8 +428,9 @@ def geometry(name, kind, degree, patches, trim=None):
 
 def mesh_geometry(name, kind, mesh, more=""):
     vertices, normals, triangles = mesh
-    return ('    { "name": "%s", "type": "%s",%s\n      "vertices": [%s],\n      "normals": [%s],\n      "triangles": %s }'
-            % (name, kind, more, ", ".join(map(point, vertices)), ", ".join(map(point, normals)), json.dumps(triangles)))
+    listed = lambda points: ", ".join(map(point, points))
+    return ('    { "name": "%s", "type": "%s",%s\n      "vertices": [%s],\n      "normals": [%s],\n'
+            '      "triangles": %s }' % (name, kind, more, listed(vertices), listed(normals), json.dumps(triangles)))
 
 
 def cage(name, vertices, faces, creases):
@@ -665,7 +666,8 @@ def read_quadratic(path):
     patches = []
     for p1, p2, p3, p4, p5, p6 in (p.points for p in read(path) if p.kind == "quadratic_triangles"):
         across = lambda a, b, m: add(mul(2, m), mul(-0.5, add(a, b)))
-        patches.append(Patch("bezier_triangles", 2, [p3, across(p1, p3, p5), p1, across(p2, p3, p4), across(p1, p2, p6), p2]))
+        net = [p3, across(p1, p3, p5), p1, across(p2, p3, p4), across(p1, p2, p6), p2]
+        patches.append(Patch("bezier_triangles", 2, net))
     return patches
 
 
