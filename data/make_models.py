@@ -405,6 +405,69 @@ def sphere_quadratic():
     return [[a, b, c, middle(b, c), middle(a, c), middle(a, b)] for a, b, c in icosahedron()[1]]
 
 
+# ---------------------------------------------------------------------------------------------- NURBS
+
+
+def clamped(degree, points):
+    """Knots 0, 1, 2 ... for so many control points."""
+    return [0] * degree + list(range(points - degree + 1)) + [points - degree] * degree
+
+
+def revolved(profile, degree, knots=None):
+    """A curve (r, z[, w]) about the z axis, exactly: a rational quadratic circle of four spans in u, the curve in v."""
+    points = []
+    for r, z, *w in profile:
+        for k in range(9):
+            x, y, weight = circle(k)
+            points.append((r * x, r * y, z, weight * (w[0] if w else 1.0)))
+    return (2, degree), ([0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4], knots or clamped(degree, len(profile))), points
+
+
+def ball_surface():
+    half = [(0.0, -1.0, 1.0), (1.0, -1.0, sqrt(0.5)), (1.0, 0.0, 1.0), (1.0, 1.0, sqrt(0.5)), (0.0, 1.0, 1.0)]
+    return revolved(half, 2, [0, 0, 0, 1, 1, 2, 2, 2])
+
+
+def shade():
+    """A lampshade."""
+    return revolved([(0.75, 0.0), (1.05, 0.5), (1.9, 1.0), (2.05, 2.0), (1.25, 2.6), (1.0, 3.3), (1.5, 4.1), (1.1, 4.6)], 3)
+
+
+def pierced():
+    """Rows of round holes; in every other row one is across the seam of u, half of it at either end."""
+    rows = ((0.75, 14, 0.07), (1.35, 16, 0.091), (1.95, 16, 0.1015), (2.5, 16, 0.091), (3.1, 14, 0.07),
+            (3.75, 14, 0.0595), (4.35, 14, 0.07))
+    holes = []
+    for row, (v, count, size) in enumerate(rows):
+        for k in range(count + 1 - row % 2):
+            u = round(4 * (k + (row % 2) / 2) / count, 9)
+            holes.append({"circle": {}, "transform": [size, 0, 0, 2 * size, u, v]})
+    return minus({"square": {}, "transform": [4, 0, 0, 5, 0, 0]}, *holes)
+
+
+def cloth(n=14, size=5.2):
+    """A bicubic B-spline sheet in folds that grow towards its border."""
+    points = []
+    for j in range(n):
+        for i in range(n):
+            x, y = size * (2 * i / (n - 1) - 1), size * (2 * j / (n - 1) - 1)
+            r, a = sqrt(x * x + y * y), math.atan2(y, x)
+            fold = 0.32 * max(0.0, r / size - 0.42) ** 2
+            points.append(tuple(round(t, 6) for t in (x, y, 0.12 + fold * (1.2 + sin(9 * a)))))
+    return (3, 3), (list(range(n + 4)), list(range(n + 4))), points
+
+
+def scalloped(petals=12, centre=8.5, radius=4.6):
+    """A closed cubic B-spline that swings round a circle."""
+    count = 4 * petals
+    points = []
+    for k in range(count):
+        a, r = 2 * math.pi * k / count, radius * (1 + (0.09, 0.0, -0.11, 0.0)[k % 4])
+        points.append([round(centre + r * cos(a), 9), round(centre + r * sin(a), 9)])
+    return {"polygon": {"segments": [{"bspline": {"degree": 3, "knots": list(range(count + 7)),
+                                                  "points": points + points[:3]}}]}}
+
+
 # ---------------------------------------------------------------------------------------------- writing
 
 
@@ -424,6 +487,13 @@ def geometry(name, kind, degree, patches, trim=None):
     degrees = ' "degree": %s,' % json.dumps(degree) if degree else ""
     return ('    { "name": "%s", "type": "%s",%s%s\n      "patches": [\n        %s ] }'
             % (name, kind, degrees, trims, lines))
+
+
+def nurbs_geometry(name, surface, trim=None):
+    degree, knots, points = surface
+    trims = ',\n      "trim": %s' % json.dumps(trim) if trim else ""
+    return ('    { "name": "%s", "type": "nurbs", "degree": %s,\n      "knots": %s,\n      "points": [%s]%s }'
+            % (name, json.dumps(degree), json.dumps(knots), ", ".join(map(point, points)), trims))
 
 
 def mesh_geometry(name, kind, mesh, more=""):
@@ -577,6 +647,14 @@ def files():
            for k, colour in enumerate(("red", "orange", "green", "teal", "violet"))]
         + [item("backdrop", "paper")],
         ((0, -24, 8), (0, -0.5, 2.55), 24.5))
+    models["scenes/nurbs.json"] = scene(
+        [nurbs_geometry("shade", shade(), pierced()), nurbs_geometry("ball", ball_surface()),
+         nurbs_geometry("cloth", cloth(), scalloped()), backdrop],
+        [item("cloth", "teal"), item("shade", "ivory plastic", turned(20, "z", 1.0, (0, 0, 0.14))),
+         item("ball", "orange plastic", turned(0, "z", 0.82, (0, 0, 1.55))),
+         item("ball", "gold", turned(0, "z", 0.55, (-2.45, -1.75, 0.69))),
+         item("ball", "red plastic", turned(0, "z", 0.4, (2.35, -2.1, 0.54))), item("backdrop", "slate")],
+        ((0.4, -14.5, 8.2), (0, -0.2, 1.75), 30))
     return models
 
 

@@ -101,8 +101,9 @@ static void print_sort(const sort *s)
            degree, s->rational ? "rational" : "polynomial");
 }
 
-static void print_faces(const scene_geometry *g, size_t faces)
+static void print_faces(const scene_geometry *g)
 {
+    const size_t faces = g->patch_count ? (size_t)face_of(g, g->patch_count - 1) + 1 : 0;
     if (g->cage) printf("  %zu faces of a cage of %zu vertices\n", g->cage->face_count, g->cage->vertex_count);
     else if (g->charts) printf("  %zu face%s\n", faces, faces == 1 ? "" : "s");
 }
@@ -123,7 +124,7 @@ static void print_table(const world *w, const geometry_info *infos, const EPStat
         char number[32];
         snprintf(number, sizeof number, "%zu", i);
         print_row(infos[i].name ? infos[i].name : number, &infos[i].statistics);
-        print_faces(&s->geometries[i], infos[i].statistics.faces);
+        print_faces(&s->geometries[i]);
         for (size_t k = 0; k < infos[i].sort_count; ++k) print_sort(&infos[i].sorts[k]);
         if (infos[i].copies)
             printf("  and %zu cop%s, where objects put them\n", infos[i].copies, infos[i].copies == 1 ? "y" : "ies");
@@ -193,7 +194,7 @@ static void add_copy(geometry_info *info, EPGeometry copy)
     float b[6];
     epGetGeometryStatistics(copy, &s);
     epGetGeometryBounds(copy, b);
-    s.patches = 0;
+    s.patches = s.faces = 0;
     add_statistics(&info->statistics, &s);
     for (int x = 0; x < 3; ++x) {
         if (b[x] < info->bounds[x]) info->bounds[x] = b[x];
