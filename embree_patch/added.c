@@ -180,12 +180,8 @@ static EPStatus add_spans(EPGeometry g, const ep_nurbs *n, const ep_point *net, 
     if (status == EP_OK) status = reserve(g, count, each);
     ep_point *points = g->points + g->point_count;
     if (status == EP_OK) status = ep_nurbs_split(n, net, points, places, &g->message);
-    for (size_t i = 0; i < count && status == EP_OK; ++i) {
-        if (!ep_place_is_possible(places[i]))
-            status = ep_fail(&g->message, EP_BAD_DATA, "the knots at (%g, %g) are too large or too close together",
-                             places[i][4], places[i][5]);
+    for (size_t i = 0; i < count && status == EP_OK; ++i)
         g->added[first + i] = (ep_added){g->point_count + i * each, EP_KIND_TENSOR, m, k, rational, NULL, NULL};
-    }
     for (size_t i = 0; i < count * each && status == EP_OK && !rational; ++i) points[i][3] = 1; /* it may be rounded */
     if (status == EP_OK) {
         append(g, count, each);

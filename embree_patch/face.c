@@ -42,7 +42,7 @@ bool ep_faces_begin(ep_faces *f, size_t patches)
     return false;
 }
 
-bool ep_place_is_possible(const double map[6])
+static bool is_possible(const double map[6])
 {
     const double det = determinant(map);
     bool finite = isfinite(1 / det) && isfinite(det);
@@ -60,7 +60,7 @@ const char *ep_faces_problem(const ep_faces *f, size_t patches, size_t first, si
     if (!single) return "one of them belongs to another face";
     if (count && !transforms) return "no transforms";
     for (size_t i = 0; i < count; ++i)
-        if (!ep_place_is_possible(transforms[i])) return "a patch's transform is not finite or has no inverse";
+        if (!is_possible(transforms[i])) return "a patch's transform is not finite or has no inverse";
     return NULL;
 }
 

@@ -38,9 +38,6 @@ bool ep_faces_shrink(ep_faces *f);
 /* Begins to keep places: `patches` patches are faces by themselves. False without memory; then nothing has changed. */
 bool ep_faces_begin(ep_faces *f, size_t patches);
 
-/* Can (s, t) be mapped to (u, v) like this, and back? */
-bool ep_place_is_possible(const double map[6]);
-
 /* NULL when the last `count` of `patches` can be joined, else what is wrong. */
 const char *ep_faces_problem(const ep_faces *f, size_t patches, size_t first, size_t count,
                              const double (*transforms)[6]);

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "embree_patch/nurbs.h"
 
+#include <float.h>
 #include <string.h>
 
 static size_t spans_of(const ep_nurbs *n, int axis)
@@ -18,6 +19,16 @@ size_t ep_nurbs_patches(const ep_nurbs *n)
     return spans_of(n, 0) * spans_of(n, 1);
 }
 
+/* The narrowest span, and the knot that is farthest from zero. */
+static void measure(const ep_nurbs *n, int axis, double *least, double *far)
+{
+    const double *k = n->knots[axis];
+    const size_t first = n->degree[axis], end = n->count[axis];
+    *least = INFINITY;
+    *far = fmax(fabs(k[first]), fabs(k[end]));
+    for (size_t i = first; (i = ep_knots_next_span(k, end, i)) < end; ++i) *least = fmin(*least, k[i + 1] - k[i]);
+}
+
 EPStatus ep_nurbs_check(const ep_nurbs *n, ep_message *m)
 {
     for (int axis = 0; axis < 2; ++axis) {
@@ -26,6 +37,12 @@ EPStatus ep_nurbs_check(const ep_nurbs *n, ep_message *m)
                                           n->degree[axis] + 1, &why);
         if (s) return ep_fail(m, s, "in %c: %s", "uv"[axis], why.text);
     }
+    /* what a patch's place needs: epJoinPatches */
+    double least[2], far[2];
+    for (int axis = 0; axis < 2; ++axis) measure(n, axis, &least[axis], &far[axis]);
+    if (!(fmax(far[0], far[1]) <= FLT_MAX) || !isfinite(1 / (least[0] * least[1])))
+        return ep_fail(m, EP_BAD_DATA, "knots that reach to %g, or spans of %g by %g, are beyond floats",
+                       fmax(far[0], far[1]), least[0], least[1]);
     /* so many, each with all its points, are counted in 64 bits wherever bytes are */
     if (spans_of(n, 0) > UINT32_MAX / spans_of(n, 1) || n->count[0] > SIZE_MAX / 4096 / n->count[1])
         return ep_fail(m, EP_INVALID, "a NURBS surface of %zu x %zu control points is too large", n->count[0],
