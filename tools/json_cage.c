@@ -31,7 +31,7 @@ static bool read_options(const json_reader *r, const json_node *n, model_options
     size_t i = 0;
     double depth = CAGE_LEVEL_DEFAULT;
 
-    *o = (model_options){.polygons_are_cage = true};
+    *o = (model_options){.polygons = POLYGONS_WANTED};
     if (scheme.json && !read_choice(r, &scheme, "'scheme'", schemes, ARG_COUNT(schemes), &i)) return false;
     o->scheme = (cage_scheme)i;
     if (level.json && !json_read_whole(r, &level, "'level'", 1, CAGE_LEVEL_MAX, &depth)) return false;
@@ -50,7 +50,7 @@ bool json_read_model_options(const json_reader *r, const json_node *n, model_opt
     if (!read_options(r, n, o)) return false;
     if (as.json) return read_choice(r, &as, "'as'", ways, ARG_COUNT(ways), &way);
 
-    o->polygons_are_cage = false;
+    o->polygons = POLYGONS_REFUSED;
     for (size_t i = 0; i < ARG_COUNT(of_cages); ++i) {
         const json_node e = json_member(n, of_cages[i]);
         if (e.json) return json_wrong_key(r, &e, "'%s' goes with \"as\": \"subdivision\"", of_cages[i]);

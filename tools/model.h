@@ -7,9 +7,16 @@
 #include "tools/cage.h"
 #include "tools/scene.h"
 
+/* What becomes of polygons in a file that can have free-form surfaces, too. */
+typedef enum model_polygons {
+    POLYGONS_ALONE,  /* they are a cage when there are no surfaces */
+    POLYGONS_WANTED, /* they are a cage, and surfaces are left out */
+    POLYGONS_REFUSED /* only surfaces are read                     */
+} model_polygons;
+
 /* How to take what a format leaves open. */
 typedef struct model_options {
-    bool polygons_are_cage;
+    model_polygons polygons;
     cage_scheme scheme;
     unsigned level;                /* of cages */
     const cage_boundary *boundary; /* NULL: as the file says */

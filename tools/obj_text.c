@@ -104,6 +104,22 @@ const char *obj_whole_end(const char *s)
     return end == digits ? s : end;
 }
 
+bool obj_read_reference(obj_text *t, const char *what, const char *item, size_t count, size_t *to)
+{
+    if (!obj_next_word(t, what)) return false;
+    const obj_word w = t->word;
+    const char *number_end = obj_whole_end(w.at), *end = number_end;
+    for (int i = 0; i < 2 && *end == '/'; ++i) end = obj_whole_end(end + 1);
+    if (number_end == w.at || end != w.at + w.length) return obj_wrong_word(t, what);
+
+    const long long have = (long long)count;
+    const long long n = strtoll(w.at, NULL, 10); /* the nearest there is when it is too large */
+    if (n && n <= have && n >= -have) return *to = (size_t)(n > 0 ? n - 1 : have + n), true;
+    const obj_word number = {w.at, (size_t)(number_end - w.at)};
+    report(obj_place(t, w.at), "there is no %s %.*s: %lld are defined above", item, OBJ_SHOWN(number), have);
+    return false;
+}
+
 void obj_ignore(obj_text *t, obj_word name)
 {
     for (size_t i = 0; i < t->ignored_count; ++i)

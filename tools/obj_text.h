@@ -49,6 +49,10 @@ bool obj_at_end(obj_text *t);
 bool obj_next_word(obj_text *t, const char *what);
 bool obj_read_number(obj_text *t, const char *what, double *to);
 
+/* A reference to one of `count` items above, which count from 1 or, with a minus sign, back from the last one; as an
+ * index. What may follow behind slashes, of a vertex its texture and normal, is passed over. */
+bool obj_read_reference(obj_text *t, const char *what, const char *item, size_t count, size_t *to);
+
 /* Says that the last word is not `what`. Always false. */
 bool obj_wrong_word(const obj_text *t, const char *what);
 

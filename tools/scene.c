@@ -175,7 +175,7 @@ static bool read_model_scene(scene *s)
     s->geometries = calloc(1, sizeof *s->geometries);
     if (!s->geometries) return report_no_memory(s->path), false;
     s->geometry_count = 1;
-    const model_options usual = {true, CAGE_CATMULL_CLARK, CAGE_LEVEL_DEFAULT, NULL};
+    const model_options usual = {POLYGONS_ALONE, CAGE_CATMULL_CLARK, CAGE_LEVEL_DEFAULT, NULL};
     const model_format *f = format_of(s->path);
     if (f) s->up = f->up;
     return model_read(s->path, &usual, s->geometries);

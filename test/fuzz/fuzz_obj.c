@@ -21,7 +21,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     /* each scheme; not deep, which takes time and finds nothing new */
     for (int scheme = CAGE_CATMULL_CLARK; scheme <= CAGE_LOOP; ++scheme) {
-        const model_options o = {true, (cage_scheme)scheme, 3, NULL};
+        const model_options o = {POLYGONS_ALONE, (cage_scheme)scheme, 3, NULL};
         fuzz_file f;
         scene_geometry g = {0};
         fuzz_open(&f, data, size);
