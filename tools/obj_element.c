@@ -35,7 +35,7 @@ static bool open_element(obj_free *f, obj_element e)
     f->open = e;
     f->opened = f->text->statement;
     f->points.count = f->parameters[0].count = f->parameters[1].count = 0;
-    f->has_trim = false;
+    f->has_trim = f->has_outer = false;
     return true;
 }
 

@@ -35,7 +35,7 @@ typedef struct obj_free {
     double range[2][2]; /* of a surface */
     obj_numbers points; /* its control points, 4 numbers each */
     obj_numbers parameters[2];
-    bool has_trim;
+    bool has_trim, has_outer;
     loops trim;
 } obj_free;
 

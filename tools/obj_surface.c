@@ -34,29 +34,29 @@ static bool loop(obj_free *f)
     return obj_is_fine(f->text, at, loops_end_loop(&f->trim));
 }
 
-/* Holes that no outer loop stands before are in the whole surface. The loop around it keeps away from its border. */
-static bool whole(obj_free *f)
+bool obj_surface_trim(obj_free *f)
+{
+    f->has_outer = true;
+    return loop(f);
+}
+
+bool obj_surface_hole(obj_free *f)
+{
+    return loop(f);
+}
+
+/* Holes without an outer loop are in the whole surface. The loop around it keeps away from its border. */
+static const char *add_outer(obj_free *f)
 {
     double lo[2], hi[2];
     for (int i = 0; i < 2; ++i) {
         const double size = f->range[i][1] - f->range[i][0];
         lo[i] = f->range[i][0] - size, hi[i] = f->range[i][1] + size;
     }
-    const double corners[5][2] = {{lo[0], lo[1]}, {hi[0], lo[1]}, {hi[0], hi[1]}, {lo[0], hi[1]}, {lo[0], lo[1]}};
+    const double corners[4][2] = {{lo[0], lo[1]}, {hi[0], lo[1]}, {hi[0], hi[1]}, {lo[0], hi[1]}};
     const char *problem = loops_begin_loop(&f->trim);
-    if (!problem) problem = loops_add_lines(&f->trim, 5, corners);
-    if (!problem) problem = loops_end_loop(&f->trim);
-    return obj_is_fine(f->text, f->text->statement.at, problem);
-}
-
-bool obj_surface_trim(obj_free *f)
-{
-    return loop(f);
-}
-
-bool obj_surface_hole(obj_free *f)
-{
-    return (f->has_trim || (begin_trim(f) && whole(f))) && loop(f);
+    if (!problem) problem = loops_add_lines(&f->trim, 4, corners);
+    return problem ? problem : loops_end_loop(&f->trim);
 }
 
 static const char *add(obj_free *f, const obj_net *n)
@@ -68,7 +68,8 @@ static const char *add(obj_free *f, const obj_net *n)
                      {n->count[0] + n->degree[0] + 1, n->count[1] + n->degree[1] + 1},
                      {n->knots[0], n->knots[1]},
                      (const double(*)[4])n->points};
-    const char *problem = f->has_trim ? loops_end(&f->trim, f->g, &region, &shape) : NULL;
+    const char *problem = f->has_trim && !f->has_outer ? add_outer(f) : NULL;
+    if (!problem && f->has_trim) problem = loops_end(&f->trim, f->g, &region, &shape);
     if (!problem) problem = geometry_add_nurbs(f->g, f->surfaces, &s, region, shape);
     epReleaseRegion(region);
     return problem;
