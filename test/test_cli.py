@@ -474,8 +474,8 @@ def test_bad_obj():
     good = obj(square)
     works(Run("info", write("good.obj", good)))
     for text, pattern in [
-        ("", r": there are no faces in the file"),
-        ("v 0 0 0\n", r": there are no faces in the file"),
+        ("", r": there are no faces or surfaces in the file"),
+        ("v 0 0 0\n", r": there are no faces or surfaces in the file"),
         ("v 0 0\n", r":1:6: the line ends before a coordinate"),
         ("v 0 0 \\\n\n0", r":2:1: the line ends before a coordinate"),
         ("v 0 0 # 0\n", r":1:10: the line ends before a coordinate"),
@@ -499,7 +499,7 @@ def test_bad_obj():
         (good + "f 1 2 -3\n", r":6:7: a face has the same vertex twice"),
         (good + "f 1 2\n", r":6:1: a face has less than three corners"),
         (good + "f\n", r":6:1: a face has less than three corners"),
-        ("\x7fELF\x02\x01", r": there are no faces in the file"),
+        ("\x7fELF\x02\x01", r": there are no faces or surfaces in the file"),
         (good + "t\n", r":6:2: the line ends before the name of a tag"),
         (good + "t crease\n", r":6:9: the line ends before three counts of arguments, as in 2/1/0"),
         (good + "t crease 2/1\n", r":6:10: '2/1' is not three counts of arguments"),
@@ -530,10 +530,9 @@ def test_bad_obj():
         (good + "\0", r":6:1: a zero byte in a text file"),
     ]:
         refuses(Run("info", write("bad.obj", text.encode())), 1, r"bad\.obj" + pattern)
-    for word in ("cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end",
-                 "con"):
+    for word in ("bzp", "bsp", "cdc", "cdp", "res"):
         refuses(Run("info", write("bad.obj", f"# x\n {word} 1 2\n" + good)), 1,
-                rf"bad\.obj:2:2: '{word}': free-form curves and surfaces are not read yet")
+                rf"bad\.obj:2:2: '{word}' is of version 2 of the format and not read")
     start = time.time()
     refuses(Run("info", write("bad.obj", good + "t hole 4000000000/0/0 0 0\n")), 1, r":6:26: the line ends")
     check(time.time() - start < 5, "a promise of many holes takes long")
@@ -542,6 +541,264 @@ def test_bad_obj():
     many = "".join(f"v {i} 0 0\n" for i in range(65536)) + "f " + " ".join(str(i + 1) for i in range(65536))
     refuses(Run("info", write("bad.obj", many)), 1, r":65537:1: a face has more than 65535 corners")
     refuses(Run("info", "missing.obj"), 1, r"missing\.obj: cannot open")
+
+
+def basis(form, degree, parameters, x, matrix=None, step=1):
+    """The functions of a free-form curve's points at x: one value a point."""
+    if form == "bspline":
+        spans = range(len(parameters) - 1)
+        n = [float(parameters[i] <= x < parameters[i + 1]) for i in spans]
+        for d in range(1, degree + 1):
+            def part(value, at, low, high):
+                return value * (at - low) / (high - low) if value else 0
+            n = [part(n[i], x, parameters[i], parameters[i + d]) +
+                 part(n[i + 1], -x, -parameters[i + d + 1], -parameters[i + 1]) for i in range(len(n) - 1)]
+        return n
+    k = max(i for i in range(len(parameters) - 1) if parameters[i] <= x)
+    t = (x - parameters[k]) / (parameters[k + 1] - parameters[k])
+    if form == "bezier":
+        step, n = degree, [math.comb(degree, i) * t**i * (1 - t)**(degree - i) for i in range(degree + 1)]
+    elif form == "cardinal":
+        n = [(-t + 2 * t**2 - t**3) / 2, (2 - 5 * t**2 + 3 * t**3) / 2, (t + 4 * t**2 - 3 * t**3) / 2,
+             (t**3 - t**2) / 2]
+    elif form == "taylor":
+        step, n = degree + 1, [t**i for i in range(degree + 1)]
+    else:
+        n = [sum(c * t**j for j, c in enumerate(matrix[i])) for i in range(degree + 1)]
+    return [0] * (k * step) + n + [0] * ((len(parameters) - 2 - k) * step)
+
+
+def free_form(form, degrees, parameters, points, span=None, rational=False, more=()):
+    """An OBJ file of one surface; `points` has a weight each, `span` is s0, s1, t0, t1."""
+    span = span or [parameters[0][0], parameters[0][-1], parameters[1][0], parameters[1][-1]]
+
+    def numbers(values):
+        return " ".join(map(repr, values))
+    return "\n".join([*("v " + numbers(p if rational else p[:3]) for p in points),
+                      f"cstype {'rat ' * rational}{form}", "deg " + numbers(degrees), *more,
+                      "surf " + numbers(span) + " " + numbers(range(1, len(points) + 1)),
+                      "parm u " + numbers(parameters[0]), "parm v " + numbers(parameters[1]), "end", ""])
+
+
+def free_place(bases, points, rational, u, v):
+    """A point of the surface; bases: of u and v, without the parameter's value."""
+    nu, nv = (basis(*b[:3], x, *b[3:]) for b, x in zip(bases, (u, v)))
+    weights = [a * b * (p[3] if rational else 1) for (a, b), p in zip(((a, b) for b in nv for a in nu), points)]
+    sums = [sum(w * p[c] for w, p in zip(weights, points)) for c in range(3)]
+    return [x / sum(weights) for x in sums] if rational else sums
+
+
+def across(bases, points, rational, u, v, h=1e-5):
+    """A short ray that meets the surface at u, v and t = 0.05, and the surface's normal there."""
+    def place(du, dv):
+        return free_place(bases, points, rational, u + du, v + dv)
+    pu, pv = ([(a - b) / (2 * h) for a, b in zip(place(*d), place(*(-x for x in d)))] for d in ((h, 0), (0, h)))
+    n = [pu[i - 2] * pv[i - 1] - pu[i - 1] * pv[i - 2] for i in range(3)]
+    d = [x / math.hypot(*n) for x in n]
+    return (*(x - .05 * y for x, y in zip(place(0, 0), d)), 0, *d, .1), n
+
+
+def test_free_form_surfaces():
+    """Each kind of surface, against the format's formulas."""
+    hermite = [[1, 0, -3, 2], [0, 0, 3, -2], [0, 1, -2, 1], [0, 0, -1, 1]]
+    uniform = [[1 / 6, -.5, .5, -1 / 6], [4 / 6, 0, -1, .5], [1 / 6, .5, .5, -.5], [0, 0, 0, 1 / 6]]
+    matrices = ["bmat u " + " ".join(repr(x) for row in hermite for x in row),
+                "bmat v " + " \\\n ".join(repr(x) for row in uniform for x in row), "step 2 1"]
+    one = [0, 1, 2.5]
+    knots = [-1, -1, -.5, 0, 1, 1, 2, 3, 3.5]
+    surfaces = [  # bases, lines more, u and v that are tested
+        ([("bezier", 3, one), ("bezier", 2, [-1, 1])], (), [.3, 1.1, 2.4], [-.7, .6]),
+        ([("bspline", 2, knots), ("bspline", 3, [0, 0, 0, 0, 1, 1, 1, 1])], (), [-.2, .5, 1.5], [.2, .9]),
+        ([("cardinal", 3, one), ("cardinal", 3, [0, 2, 3, 3.5])], (), [.3, 2.4], [1.5, 2.1, 3.2]),
+        ([("taylor", 2, one), ("taylor", 3, [0, .5])], (), [.4, 1.2, 2.4], [.1, .4]),
+        ([("bmatrix", 3, one, hermite, 2), ("bmatrix", 3, one, uniform, 1)], matrices, [.3, 1.7], [.4, 2.2]),
+        ([("bezier", 25, [0, 1]), ("bezier", 1, [0, 1])], (), [.3, .7], [.4]),
+    ]
+    for bases, more, us, vs in surfaces:
+        counts = [len(basis(*b[:3], x[0], *b[3:])) for b, x in zip(bases, (us, vs))]
+        for rational in (False, True):
+            points = [(i + .1 * math.sin(3 * i + j), j + .1 * math.cos(i - j), .3 * math.sin(2 * i * j + i),
+                       1 + .3 * math.sin(5 * i + 2 * j)) for j in range(counts[1]) for i in range(counts[0])]
+            text = free_form(bases[0][0], [b[1] for b in bases], [b[2] for b in bases], points,
+                             [us[0] - .05, us[-1] + .05, vs[0] - .05, vs[-1] + .05], rational, more)
+            at = [(u, v) for u in us for v in vs]
+            rays = [across(bases, points, rational, u, v) for u, v in at]
+            hits = trace(write("free.obj", text), [r for r, n in rays])
+            for (u, v), (r, n), hit in zip(at, rays, hits):
+                same_hit(hit, .05, u, v, 0, 0, n, f"{'rat ' * rational}{bases[0][0]} at {u}, {v}", 1e-3)
+
+
+def test_free_form_parts():
+    """Several surfaces in a file, parts of surfaces, weights, and what stands between the lines."""
+    line = [0, 0, 1, 2, 2]
+    plane = [(x, y, 0, 1) for y in (0, 1) for x in (0, 1, 2)]
+    text = free_form("bspline", [1, 1], [line, [0, 0, 1, 1]], plane, [.25, 1.5, .5, 1])
+    hits = trace(write("part.obj", text), [down(x, y) for y in (.2, .45, .55, .9) for x in (.2, .3, .9, 1.45, 1.55)])
+    for i, hit in enumerate(hits):
+        x, y = (.2, .3, .9, 1.45, 1.55)[i % 5], (.2, .45, .55, .9)[i // 5]
+        if .25 < x < 1.5 and y > .5:
+            same_hit(hit, 10, x, y, 0, 0, (0, 0, 1), f"a part at {x}, {y}")
+        else:
+            check(hit[4] == MISS, f"a part has {x}, {y}: {hit}")
+
+    arc = [(1, z, 0, 1) for z in (0, 2)], [(1, z, 1, .5**.5) for z in (0, 2)], [(0, z, 1, 1) for z in (0, 2)]
+    quarter = [row[j] for j in range(2) for row in arc]
+    text = free_form("bezier", [2, 1], [[0, 1], [0, 1]], quarter, rational=True)
+    hits = trace(write("arc.obj", text), [(0, .6, 0, 0, math.cos(a), 0, math.sin(a), math.inf) for a in (.2, .7, 1.3)])
+    check(all(close([h[0], h[2]], [1, .3]) for h in hits), f"a quarter of a cylinder: {hits}")
+    text = text.replace("rat ", "").replace("v 1 0 1 0.7071067811865476", "v 1 0 1 nan")
+    works(Run("info", write("arc.obj", text.replace("nan", "-3"))))
+
+    square = "v 0 0 {0}\nv 1 0 {0}\nv 0 1 {0}\nv 1 1 {0}\nsurf 0 1 0 1 -4/1/1 -3//2 -2/7 -1\nparm v 0 1\nparm u 0 1\nend\n"
+    text = ("cstype bezier\ndeg 1 1 # plane\nmg 1 .5\nctech curv 1 2\nstech curv 1 2\nusemtl x\n" + square.format(0) +
+            "g b\nvp 3\nvp 1 2\n" + "curv 0 1 1 2 \\\n 77\nparm u x\nend\n" +
+            "con 1 0 1 1 2 0 1 1\n" + square.format(1).replace("end", "sp 1 2\nscrv 0 1 7\nend"))
+    hits = trace(write("two.obj", text), [down(.3, .6), (.3, .6, -1, 0, 0, 0, 1, 9)])
+    for hit, t, prim in zip(hits, (9, 1), (1, 0)):
+        same_hit(hit, t, .3, .6, 0, prim, (0, 0, 1), "two surfaces")
+
+    polygons = text.replace("g b", "f 1 2 4 3\nf 1 2 3")
+    write("mixed.obj", polygons)
+    for command in (["info"], ["trace", "--rays", "rays", "--hits", "hits"]):
+        r = Run(command[0], "mixed.obj", *command[1:])
+        check(r.status == 0 and r.err == "epatch: mixed.obj:15:1: free-form surfaces are read; the polygons beside them "
+              "are ignored\n", f"{r}: surfaces beside polygons")
+    with open("hits", "rb") as f:
+        check([h[4] for h in struct.iter_unpack("<3f2I3f", f.read())] == [1, 0], "surfaces beside polygons")
+    polygons = polygons.replace("f 1 2 3\n", "")
+    write("mixed.obj", polygons)
+    for geometry, line in (({}, "15:1: free-form surfaces are read; the polygons beside them are ignored"),
+                           ({"as": "subdivision"},
+                            "11:1: polygons are read; the free-form surfaces beside them are ignored")):
+        r = Run("info", write("s.json", scene({"type": "file", "path": "mixed.obj", **geometry})))
+        check(r.status == 0 and r.err == f"epatch: mixed.obj:{line}\n", f"{r}: {geometry}")
+    r = Run("info", write("s.json", scene({"type": "file", "path": "two.obj", "as": "subdivision"})))
+    refuses(r, 1, r"two\.obj: there are no faces in the file")
+
+
+def test_free_form_trims():
+    """Loops of pieces of curves, forwards and backwards, against formulas."""
+    circle = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]
+    lines = ["cstype bezier", "deg 1", "vp -2 -2", "vp 2 -2", "vp 2 2", "vp -2 2", "curv2 1 2 3 4", "parm u 0 1 2 3", "end",
+             "curv2 1 4", "parm u 5 6", "end", "cstype rat bspline", "deg 2",
+             *(f"vp {1.5 * x} {1.5 * y} {1 if i % 2 == 0 else .5**.5!r}" for i, (x, y) in enumerate(circle)),
+             "curv2 5 6 7 8 9 10 11 12 5", "parm u 0 0 0 1 1 2 2 3 3 4 4 4", "end",
+             "vp 0 0", "cstype taylor", "deg 2", "vp -.5 -.5", "vp 1 0", "vp 0 1", "curv2 -3 -2 -1", "parm u 0 1", "end",
+             *(f"v {x} {y} 0" for y in (-3, 3) for x in (-3, 3)), "cstype bezier", "deg 1 1"]
+
+    def inside_square(x, y):
+        return abs(x) < 2 and abs(y) < 2
+
+    def inside_circle(x, y):
+        return x * x + y * y < 2.25
+
+    cases = [
+        (["trim 0 3 1 6 5 2"], inside_square),
+        (["trim 3 0 1 5 6 2"], inside_square),
+        (["trim 0 1 1 1 2 1 2 2.5 1 2.5 3 1 6 5 -3"], inside_square),
+        (["trim 0 3 1"], inside_square),  # closed by a straight line
+        (["hole 4 0 3"], lambda x, y: not inside_circle(x, y)),
+        (["trim 0 3 1", "hole 0 4 3"], lambda x, y: inside_square(x, y) and not inside_circle(x, y)),
+        (["hole 0 4 3", "trim 0 3 1"], lambda x, y: inside_square(x, y) and not inside_circle(x, y)),
+        (["trim 0 2 3"], lambda x, y: inside_circle(x, y) and y > 0),
+        (["trim 3 .5 3"], lambda x, y: inside_circle(x, y) and left(x, y)),
+        (["trim 0 1 4"], lambda x, y: -.5 < x < .5 and -.5 + (x + .5)**2 < y < x),
+        (["hole 1 0 4"], lambda x, y: not (-.5 < x < .5 and -.5 + (x + .5)**2 < y < x)),
+    ]
+
+    def left(x, y):  # the chord from parameter 3, at (0, -1.5), to 0.5, at 45 degrees
+        a, b = (0, -1.5), (1.5 * .5**.5, 1.5 * .5**.5)
+        return (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) > 0
+
+    at = [(-2.9 + .283 * i, -2.8 + .271 * j) for i in range(21) for j in range(21)]
+    for loops, inside in cases:
+        text = "\n".join([*lines, "surf -3 3 -3 3 1 2 3 4", "parm u -3 3", "parm v -3 3", *loops, "end", ""])
+        hits = trace(write("trim.obj", text), [down(x, y) for x, y in at])
+        wrong = [(p, h) for p, h in zip(at, hits) if (h[4] == 0) != bool(inside(*p))]
+        check(not wrong, f"{loops}: {len(wrong)} points, {wrong[:2]}")
+
+
+def test_bad_free_form():
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n"
+    attributes = corners + "cstype bezier\ndeg 1 1\n"
+    surface, ends = "surf 0 1 0 1 1 2 3 4\n", "parm u 0 1\nparm v 0 1\nend\n"
+    good = attributes + surface + ends
+    works(Run("info", write("good.obj", good)))
+    curve = attributes + "vp 0 0\nvp 1 0\nvp 1 1\ncurv2 1 2 3\nparm u 0 1 2\nend\n"  # 12 lines
+    works(Run("info", write("good.obj", curve + surface + "trim 0 2 1\n" + ends)))
+    cubic = "".join(f"v {i} 0 0\n" for i in range(16)) + "cstype bspline\ndeg 3 3\nsurf 0 1 0 1 " + \
+        " ".join(str(i + 1) for i in range(16)) + "\n"
+    for text, pattern in [
+        (good + "surf 0 1 0 1 1 2 3 4\n", r":11:1: the 'surf' has no 'end'"),
+        (attributes + surface + surface + ends, r":8:1: 'surf' comes before the 'end' of the 'surf' above"),
+        (attributes + surface + "deg 1 1\n" + ends, r":8:1: 'deg' comes before the 'end' of the 'surf' above"),
+        (corners + surface + ends, r":5:1: there is no 'cstype' above"),
+        (corners + "cstype bezier\n" + surface + ends, r":6:1: there is no 'deg' above"),
+        (corners + "cstype bezier\ndeg 1\n" + surface + ends, r":7:1: there is no 'deg' with two degrees above"),
+        (corners + "cstype rat\n" + surface, r":5:11: the line ends before a kind of curve or surface"),
+        (corners + "cstype rational bezier\n" + surface, r":5:8: 'rational' is not a kind of curve or surface"),
+        (corners + "deg 26 1\n" + surface, r":5:5: a degree is 26, not between 1 and 25"),
+        (corners + "deg 1 4000000000000000000000\n" + surface, r":5:7: a degree is 4000000000000000000000, not"),
+        (corners + "deg 0\n" + surface, r":5:5: a degree is 0, not between 1 and 25"),
+        (corners + "deg 1.5\n" + surface, r":5:5: '1\.5' is not a degree"),
+        (good + "deg 1 1 1\n", r":11:9: the line goes on after the last argument of 'deg'"),
+        (good + "end\n", r":11:1: 'end' stands outside of a curve or surface"),
+        (good + "parm u 0 1\n", r":11:1: 'parm' stands outside of a curve or surface"),
+        (good + "trim 0 1 1\n", r":11:1: 'trim' stands outside of a curve or surface"),
+        (attributes + "surf 0 1 0 x 1 2 3 4\n" + ends, r":7:12: 'x' is not a parameter"),
+        (attributes + "surf 0 1 0 nan 1 2 3 4\n" + ends, r":7:12: 'nan' is not a parameter"),
+        (attributes + "surf 0 1 0\n" + ends, r":7:11: the line ends before a parameter"),
+        (attributes + "surf 0 1 0 1 1 2 3 5\n" + ends, r":7:20: there is no vertex 5: 4 are defined above"),
+        (attributes + "surf 0 1 0 1 1 2 3 -5\n" + ends, r":7:20: there is no vertex -5: 4 are defined above"),
+        (attributes + "surf 0 1 0 1 1 2 3 0\n" + ends, r":7:20: there is no vertex 0: 4 are defined above"),
+        (attributes + "surf 0 1 0 1 1 2 3 4/x\n" + ends, r":7:20: '4/x' is not a control point"),
+        (attributes + "surf 0 1 0 1 1 2 3\n" + ends, r":7:1: these parameters go with 2 x 2 points, not 3"),
+        (attributes + "surf 0 1 0 1\n" + ends, r":7:1: these parameters go with 2 x 2 points, not 0"),
+        (attributes + "surf 1 0 0 1 1 2 3 4\n" + ends, r":7:1: 1 to 0 is no part of 0 to 1, where it is defined"),
+        (attributes + "surf 0 1 0 2 1 2 3 4\n" + ends, r":7:1: 0 to 2 is no part of 0 to 1"),
+        (attributes + surface + "parm u 0 1\nend\n", r":7:1: 0 values of 'parm v' are too few"),
+        (attributes + surface + "parm u 0\nparm v 0 1\nend\n", r":7:1: 1 values of 'parm u' are too few"),
+        (attributes + surface + "parm w 0 1\n" + ends, r":8:6: 'w' is not 'u' or 'v'"),
+        (attributes + surface + "parm u 0 1\n" + ends, r":9:1: a second 'parm' in the same direction"),
+        (attributes + surface + "parm u 0 inf\n" + ends, r":8:10: 'inf' is not a parameter"),
+        (attributes + surface + "parm u 1 1\nparm v 0 1\nend\n",
+         r":7:1: parameter 2 is 1, not above the one before it, 1"),
+        (cubic + "parm u 0 0 0 0 1 1 1 1\nparm v 0 0 0 0 1 1 .5 1\nend\n",
+         r":19:1: knot 7 is 0.5, below the one before it, 1"),
+        (cubic + "parm u 0 0 0 0 1 1 1 1\nparm v 0 0 0 0 1 1 1\nend\n", r":19:1: 7 values of 'parm v' are too few"),
+        (cubic + "parm u 0 0 0 0 1 1 1 1\nparm v 0 0 0 0 1 1 1 1 1\nend\n", r":19:1: these parameters go with 4 x 5"),
+        (cubic + "parm u 0 0 0 0 0 0 0 0\nparm v 0 0 0 0 1 1 1 1\nend\n", r":19:1: knots 4 to 5 are all 0"),
+        (good.replace("deg 1 1", "deg 2 2").replace("bezier", "cardinal"), r":7:1: cardinal splines have degree 3"),
+        (good.replace("bezier", "bmatrix"), r":7:1: there is no 'step' for a basis matrix above"),
+        (good.replace("bezier", "bmatrix\nstep 1 1"), r":8:1: degree 1 needs a 'bmat u' of 4 numbers, not 0"),
+        (good.replace("bezier", "bmatrix\nstep 1\nbmat u 1 -1 0 1"), r":9:1: there is no 'step' for a basis matrix"),
+        (good.replace("bezier", "bmatrix\nstep 0 1"), r":6:6: a step is 0, not between 1 and"),
+        (good.replace("bezier", "bmatrix\nbmat u 1 nan"), r":6:10: 'nan' is not a number"),
+        (good.replace("v 0 0 0", "v nan 0 0"), r":1:1: a coordinate is not finite"),
+        (good.replace("bezier", "rat bezier").replace("v 0 0 0", "v 0 0 0 0"), r":7:14: the weight is not positive"),
+        (good.replace("bezier", "rat bezier").replace("v 0 1 0", "v 0 1 0 nan"), r":7:18: the weight is not finite"),
+        (curve + "curv2 1 2 4\n" + surface, r":13:11: there is no parameter vertex 4: 3 are defined above"),
+        (curve + "vp 1\ncurv2 1 2 4\n" + surface, r":14:11: the parameter vertex has no v"),
+        (curve + "vp\n" + surface, r":13:3: the line ends before a parameter"),
+        (curve + "vp 1 inf\n" + surface, r":13:6: 'inf' is not a parameter"),
+        (curve + "curv2 1 2\nparm u 0 1 2\nend\n" + surface, r":13:1: these parameters go with 3 points, not 2"),
+        (curve + "curv2 1 2\ntrim 0 1 1\nend\n" + surface, r":14:1: 'trim' stands in a curve, not in a surface"),
+        (curve + "curv2 1 2\n", r": there are no faces or surfaces in the file"),
+        (curve + surface + "trim 0 2 2\n" + ends, r":14:10: there is no curve 2: 1 are defined above"),
+        (good.replace("end", "trim 0 2 1\nend"), r":10:10: there is no curve 1: 0 are defined above"),
+        (curve + surface + "trim\n" + ends, r":14:5: the line ends before a parameter"),
+        (curve + surface + "trim 0 2\n" + ends, r":14:9: the line ends before a curve"),
+        (curve + surface + "trim -1 2 1\n" + ends, r":14:6: -1 to 2 is no part of 0 to 2, where it is defined"),
+        (curve + surface + "hole 0 2 1 3 0 1\n" + ends, r":14:12: 0 to 3 is no part of 0 to 2"),
+        (curve + surface + "trim 1 1 1\n" + ends, r":14:6: 1 to 1 is no part of 0 to 2"),
+        (curve + surface + ("trim" + " 0 2 1" * 3 + "\n") * 999 + "trim 0 2\n" + ends, r":1013:9: the line ends"),
+    ]:
+        refuses(Run("info", write("bad.obj", text)), 1, r"bad\.obj" + pattern)
+    many = "vp 0 1\n" + "curv2" + " 1" * 20000 + "\nparm u " + " ".join(map(str, range(20000))) + "\nend\n"
+    start = time.time()
+    refuses(Run("info", write("bad.obj", attributes + many + surface + "trim" + " 0 19999 1" * 20000 + "\n" + ends)), 1,
+            r"bad\.obj:12:\d+: the trims repeat their curves too often")
+    check(time.time() - start < 20, "curves that are repeated take long")
 
 
 def test_files():

@@ -94,7 +94,7 @@ bool obj_parameters(obj_free *f)
     int axis = 0;
     if (!obj_read_axis(f, &axis)) return false;
     obj_numbers *to = &f->parameters[axis];
-    if (to->count) return obj_is_fine(f->text, f->text->statement.at, "there is such a 'parm' above");
+    if (to->count) return obj_is_fine(f->text, f->text->statement.at, "a second 'parm' in the same direction");
     while (!obj_at_end(f->text)) {
         double x = 0;
         if (!obj_read_parameter(f, &x) || !obj_add_numbers(f, to, &x, 1)) return false;

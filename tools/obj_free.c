@@ -40,7 +40,7 @@ static bool read_count(obj_free *f, const char *what, size_t most, size_t *to)
     if (obj_whole_end(w.at) != w.at + w.length) return obj_wrong_word(f->text, what);
     const long long n = strtoll(w.at, NULL, 10); /* the nearest there is when it is too large */
     if (n >= 1 && (unsigned long long)n <= most) return *to = (size_t)n, true;
-    report(obj_place(f->text, w.at), "%.*s, for %s, is not between 1 and %zu", OBJ_SHOWN(w), what, most);
+    report(obj_place(f->text, w.at), "%s is %.*s, not between 1 and %zu", what, OBJ_SHOWN(w), most);
     return false;
 }
 
