@@ -43,6 +43,8 @@ double *geometry_add_points(scene_geometry *g, size_t count);
 bool geometry_add_chart(scene_geometry *g, const chart *at, const double (*places)[6]);
 /* The geometry takes the shape of a trim over. False without memory. */
 bool geometry_add_shape(scene_geometry *g, struct trim_shape *shape);
+/* Frees all that a geometry holds; what a copy shares is the original's. */
+void geometry_free(scene_geometry *g);
 size_t patch_point_count(patch_kind kind, unsigned degree_u, unsigned degree_v);
 
 /* NULL when p is a point that can be traced, else what is wrong with it. */

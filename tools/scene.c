@@ -278,7 +278,7 @@ size_t scene_originals(const scene *s)
     return n;
 }
 
-static void geometry_free(scene_geometry *g)
+void geometry_free(scene_geometry *g)
 {
     free(g->points);
     if (g->original) return;
