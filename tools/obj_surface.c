@@ -5,8 +5,6 @@
 #include "tools/nurbs.h"
 #include "tools/obj_element.h"
 
-#include <stdlib.h>
-
 static bool piece(obj_free *f)
 {
     double from = 0, to = 0;
@@ -83,8 +81,6 @@ bool obj_surface_end(obj_free *f)
     for (int i = 0; i < 2 && !problem; ++i) problem = obj_net_cut(&n, i, f->range[i][0], f->range[i][1]);
     if (!problem) problem = add(f, &n);
     obj_net_free(&n);
-    if (!obj_is_fine(f->text, f->opened.at, problem)) return false;
-    if (f->surfaces == UINT32_MAX - 1) return obj_is_fine(f->text, f->opened.at, "there are too many surfaces");
     ++f->surfaces;
-    return true;
+    return obj_is_fine(f->text, f->opened.at, problem);
 }
