@@ -41,6 +41,12 @@ static void poles(void **state)
     replay("poles.txt");
 }
 
+static void flat(void **state)
+{
+    (void)state;
+    replay("flat.txt");
+}
+
 static void tangents(void **state)
 {
     (void)state;
@@ -51,6 +57,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(poles),
+        cmocka_unit_test(flat),
         cmocka_unit_test(tangents),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -39,6 +39,14 @@ typedef struct w_way {
     w_3 d; /* its direction in leaf coordinates */
 } w_way;
 
+/* May rounding have taken a hit's t, which is a rest of what the origin was moved by, out of the prism, as it may where
+ * the leaf is flat? It is found again in double: the same ray, if it ends right behind the hit, has to enter the leaf.
+ */
+EP_INLINE w_m w_is_astray(const ep_leaf *leaf, const w_visit *v)
+{
+    return w_lt(w_set(leaf->height) * w_abs(v->inverse), w_set(EP_TERMS) * w_abs(v->moved));
+}
+
 /* Sums of the magnitudes that make up the leaf coordinates of x. */
 EP_INLINE void w_terms(const ep_leaf *leaf, const w_f x[3], w_f sum[3])
 {

@@ -102,7 +102,7 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
             const uint32_t bits = w_bits(found);
             if (bits) {
                 hit |= bits;
-                out->vague |= w_bits(w_and(found, step.vague)) << base;
+                out->vague |= w_bits(w_and(found, w_or(step.vague, w_is_astray(leaf, &v)))) << base;
                 w_store(out->t + base, bits, t);
                 w_store(out->radius + base, bits, step.radius);
                 w_put_hit(leaf, triangle, &jet, &step, out->fields + base, EP_PACKET, bits);

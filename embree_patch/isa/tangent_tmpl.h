@@ -5,8 +5,8 @@
  * As in packet_tmpl.h, but a neighbourhood that does not shrink is folded (fold_tmpl.h), and of two the second waits.
  * Nearly every ray is decided by two evaluations; what is still open is cut into cells (cells_tmpl.h).
  *
- * Roots beyond tfar count, too: whether a lane is open, and so how its nearer root is found, to the bit, must not depend
- * on what the ray has met before. */
+ * Roots beyond tfar count, too: whether a lane is open, and so how its nearer root is found, to the bit, must not
+ * depend on what the ray has met before. */
 
 /* Where iteration begins: one neighbourhood for each part of the way that the graph's equation leaves, here with foot
  * and height of the moved origin. Roots are between *first and *last above that. */
@@ -60,13 +60,14 @@ EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, first, last, step.stuck);
             const w_f t = w_fma(step.height, v.inverse, v.moved);
             const uint32_t found = w_bits(w_and(step.hit, w_nearly(&step, v.moved, t, r.tnear, w_set(INFINITY))));
+            const w_m vague = w_or(step.vague, w_is_astray(leaf, &v));
             const uint32_t slot[2] = {found & ~hit[0], found & hit[0]};
             v.slow = w_or(v.slow, w_mask(found & hit[1])); /* three roots in a leaf */
             for (unsigned k = 0; k < 2; ++k) {
                 const uint32_t bits = slot[k];
                 if (!bits) continue;
                 hit[k] |= bits;
-                out->vague[k] |= w_bits(w_and(w_mask(bits), step.vague)) << base;
+                out->vague[k] |= w_bits(w_and(w_mask(bits), vague)) << base;
                 w_store(out->radius[k] + base, bits, step.radius);
                 w_store(out->t[k] + base, bits, t);
                 w_put_hit(leaf, triangle, &jet, &step, out->hits[k] + base, rays, bits);
