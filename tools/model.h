@@ -29,6 +29,9 @@ bool model_read(const char *path, const model_options *o, scene_geometry *g);
 /* One reader a format, called by model_read. */
 bool model_read_bpt(const char *path, const model_options *o, scene_geometry *g);
 bool model_read_obj(const char *path, const model_options *o, scene_geometry *g);
+bool model_read_step(const char *path, const model_options *o, scene_geometry *g);
+bool model_read_iges(const char *path, const model_options *o, scene_geometry *g);
+bool model_read_brep(const char *path, const model_options *o, scene_geometry *g);
 
 /* Fills an empty geometry with the patches of a cage's limit surface and takes the cage over, also on failure. Indices
  * have to be in range. False after a message, which names `path`. */

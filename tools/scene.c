@@ -29,8 +29,9 @@ typedef struct model_format {
 } model_format;
 
 static const model_format formats[] = {
-    {".bpt", model_read_bpt, 2}, {".obj", model_read_obj, 1}, {".step", NULL, 2}, {".stp", NULL, 2},
-    {".iges", NULL, 2},          {".igs", NULL, 2},           {".brep", NULL, 2},
+    {".bpt", model_read_bpt, 2},   {".obj", model_read_obj, 1},   {".step", model_read_step, 2},
+    {".stp", model_read_step, 2},  {".iges", model_read_iges, 2}, {".igs", model_read_iges, 2},
+    {".brep", model_read_brep, 2},
 };
 
 static const char *extension(const char *path)
@@ -51,12 +52,12 @@ static const model_format *format_of(const char *path)
 bool model_read(const char *path, const model_options *o, scene_geometry *g)
 {
     const model_format *f = format_of(path);
-    if (f && f->read) return f->read(path, o, g);
-    if (f) return report_file(path, "%s files are not supported yet", f->extension), false;
+    if (f) return f->read(path, o, g);
     struct stat st;
     if (stat(path, &st)) return report_file(path, "cannot open: %s", strerror(errno)), false;
     if (S_ISDIR(st.st_mode)) return report_file(path, "cannot read: %s", strerror(EISDIR)), false;
-    return report_file(path, "'%s' is no kind of file that is known here; try .json, .bpt or .obj", extension(path)),
+    return report_file(path, "'%s' is no kind of file that is known here; try .json, .bpt, .obj or .step",
+                       extension(path)),
            false;
 }
 

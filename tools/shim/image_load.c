@@ -5,23 +5,11 @@
  * OpenImageIO comes with some 250 libraries, and the system needs a third of a second to load them: far longer than
  * most files of rays take. Only commands that touch an image wait for it. */
 #include "tools/shim/image.h"
-#include "tools/report.h"
+#include "tools/shim/module.h"
 
-#include <dlfcn.h>
-#include <stdlib.h>
+#define CALL(name, ...) MODULE_CALL(&module, "epatch_image.so", name, __VA_ARGS__)
 
-/* Without its module the program is not installed as a whole; nothing has been opened for writing yet. */
-static void *function(const char *name)
-{
-    static void *module;
-    if (!module) module = dlopen("epatch_image.so", RTLD_LAZY | RTLD_LOCAL);
-    void *f = module ? dlsym(module, name) : NULL;
-    if (f) return f;
-    report((place){0}, "%s", dlerror());
-    exit(1);
-}
-
-#define CALL(name, ...) ((__typeof__(&name))function(#name))(__VA_ARGS__)
+static void *module;
 
 image_kind image_kind_of(const char *path, bool many)
 {

@@ -1,0 +1,162 @@
+/* cad.cpp - OpenCASCADE behind cad.h; no exception leaves this file.
+ *
+ * SPDX-License-Identifier: Apache-2.0 */
+#include "tools/shim/cad.h"
+#include "tools/shim/cad_trim.h"
+
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <IGESControl_Reader.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Precision.hxx>
+#include <STEPControl_Reader.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopLoc_Location.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shape.hxx>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+namespace
+{
+
+using namespace cad;
+
+thread_local char problem[240];
+
+const char *say(const char *text)
+{
+    std::snprintf(problem, sizeof problem, "%s", text);
+    for (char *c = problem; *c; ++c)
+        if (*c == '\n') *c = ' ';
+    return problem;
+}
+
+/* Runs `body`; NULL, or what it has thrown. */
+template <class F> const char *guard(F &&body)
+{
+    try {
+        body();
+        return nullptr;
+    } catch (const std::bad_alloc &) {
+        return say("out of memory");
+    } catch (const unusable &e) {
+        return say(e.what());
+    } catch (const Standard_Failure &e) {
+        const char *text = e.GetMessageString();
+        return say((std::string("OpenCASCADE: ") + (text && *text ? text : e.DynamicType()->Name())).c_str());
+    } catch (const std::exception &e) {
+        return say(e.what());
+    }
+}
+
+template <class reader> TopoDS_Shape transfer(const char *path, const char *kind)
+{
+    reader r;
+    if (r.ReadFile(path) != IFSelect_RetDone) throw unusable(std::string("this is no ") + kind + " file");
+    r.TransferRoots();
+    return r.OneShape();
+}
+
+TopoDS_Shape read_shape(const char *path, cad_format format)
+{
+    if (format == CAD_STEP) return transfer<STEPControl_Reader>(path, "STEP");
+    if (format == CAD_IGES) return transfer<IGESControl_Reader>(path, "IGES");
+    TopoDS_Shape shape;
+    if (!BRepTools::Read(shape, path, BRep_Builder())) throw unusable("this is no BREP file");
+    return shape;
+}
+
+/* A face, and what it points to. */
+struct converted {
+    surface s;
+    std::vector<std::vector<flat_curve>> loops;
+    std::vector<point> points;
+    std::vector<std::vector<cad_curve>> curves;
+    std::vector<cad_loop> lists;
+    cad_face face;
+};
+
+void move(net &n, const TopLoc_Location &by)
+{
+    if (by.IsIdentity()) return;
+    const gp_Trsf t = by.Transformation();
+    double m[12];
+    for (int i = 0; i < 12; ++i) m[i] = t.Value(i % 3 + 1, i / 3 + 1);
+    transform(n, m);
+}
+
+void convert_face(const TopoDS_Face &face, converted &c)
+{
+    TopLoc_Location at;
+    const Handle(Geom_Surface) stored = BRep_Tool::Surface(face, at);
+    if (stored.IsNull()) throw unusable("it has no surface");
+    const Handle(Geom_Surface) base = untrimmed(stored);
+    const std::vector<loop> loops = take_loops(face, base);
+    range box[2];
+    if (loops.empty()) stored->Bounds(box[0].low, box[0].high, box[1].low, box[1].high);
+    else bound(loops, box);
+    for (const range &r : box)
+        if (Precision::IsInfinite(r.low) || Precision::IsInfinite(r.high)) throw unusable("it has no end");
+    c.s = convert(base, box);
+    move(c.s.patches, at);
+    for (const loop &l : loops) {
+        c.loops.emplace_back();
+        for (const curve &part : l) c.loops.back().push_back(convert(part, c.s));
+    }
+    if (c.loops.size() == 1 && is_border(c.loops[0], c.s)) c.loops.clear();
+    for (auto &l : c.loops) join(l, c.s);
+}
+
+/* The same for C. */
+void describe(converted &c)
+{
+    const net &n = c.s.patches;
+    for (const point &p : n.points) c.points.push_back({p[0] / p[3], p[1] / p[3], p[2] / p[3], p[3]});
+    for (const auto &l : c.loops) {
+        c.curves.emplace_back();
+        for (const flat_curve &f : l)
+            c.curves.back().push_back({(unsigned)f.degree, f.points.size(), f.knots.size(), f.knots.data(),
+                                       reinterpret_cast<const double(*)[3]>(f.points.data())});
+    }
+    for (const auto &l : c.curves) c.lists.push_back({l.size(), l.data()});
+    c.face = {{(unsigned)n.degree[0], (unsigned)n.degree[1]},
+              {n.count[0], n.count[1]},
+              {n.knots[0].size(), n.knots[1].size()},
+              {n.knots[0].data(), n.knots[1].data()},
+              reinterpret_cast<const double(*)[4]>(c.points.data()),
+              c.lists.size(),
+              c.lists.data()};
+}
+
+} // namespace
+
+const char *cad_read(const char *path, cad_format format, cad_taker take, void *user)
+{
+    Message::DefaultMessenger()->ChangePrinters().Clear();
+    std::vector<TopoDS_Face> faces;
+    const char *failure = guard([&] {
+        const TopoDS_Shape shape = read_shape(path, format);
+        if (!shape.IsNull())
+            for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) faces.push_back(TopoDS::Face(e.Current()));
+        if (faces.empty()) throw unusable("there are no faces in the file");
+    });
+    if (failure) return failure;
+    bool more = true;
+    for (size_t i = 0; i < faces.size() && more; ++i) {
+        converted c;
+        const char *why = guard([&] {
+            convert_face(faces[i], c);
+            describe(c);
+        });
+        more = take(user, (uint32_t)i, (uint32_t)faces.size(), why ? nullptr : &c.face, why);
+    }
+    return nullptr;
+}

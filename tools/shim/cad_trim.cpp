@@ -1,0 +1,368 @@
+/* cad_trim.cpp - see cad_trim.h.
+ *
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * Loops are even-odd: which way a curve runs does not matter, only that all of them are there and that neighbours
+ * follow one another. They are put in order by where they end, since that is what a file is least wrong about. On a
+ * surface that closes on itself curves may be whole turns apart; where that is so, they are moved. */
+#include "tools/shim/cad_trim.h"
+
+#include <BRep_Tool.hxx>
+#include <Geom2dConvert.hxx>
+#include <Geom2d_TrimmedCurve.hxx>
+#include <ShapeFix_Edge.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Wire.hxx>
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+
+namespace cad
+{
+
+namespace
+{
+
+/* The parameter plane: what a turn is in either direction (0: there are none), and how large the face is. */
+struct plane {
+    double turn[2], size[2];
+
+    double distance(const gp_Pnt2d &a, const gp_Pnt2d &b) const
+    {
+        return std::hypot((a.X() - b.X()) / size[0], (a.Y() - b.Y()) / size[1]);
+    }
+    /* What moves `p` next to `to` in whole turns. */
+    gp_Vec2d turns(const gp_Pnt2d &p, const gp_Pnt2d &to) const
+    {
+        gp_Vec2d by(0, 0);
+        if (turn[0] > 0) by.SetX(turn[0] * std::round((to.X() - p.X()) / turn[0]));
+        if (turn[1] > 0) by.SetY(turn[1] * std::round((to.Y() - p.Y()) / turn[1]));
+        return by;
+    }
+};
+
+curve take_edge(const TopoDS_Edge &edge, const TopoDS_Face &face)
+{
+    double first, last;
+    Handle(Geom2d_Curve) c = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    if (c.IsNull()) {
+        ShapeFix_Edge().FixAddPCurve(edge, face, false);
+        c = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    }
+    if (c.IsNull()) throw unusable("an edge of it has no curve in its parameters");
+    if (!c->IsPeriodic()) {
+        first = std::max(first, c->FirstParameter());
+        last = std::min(last, c->LastParameter());
+    }
+    if (!(first < last)) throw unusable("an edge of it has no length");
+    const curve b = Geom2dConvert::CurveToBSplineCurve(new Geom2d_TrimmedCurve(c, first, last));
+    if (b->IsPeriodic()) b->SetNotPeriodic();
+    return b;
+}
+
+std::vector<curve> take_wire(const TopoDS_Shape &wire, const TopoDS_Face &face)
+{
+    std::vector<curve> all;
+    for (TopExp_Explorer e(wire, TopAbs_EDGE); e.More(); e.Next()) {
+        const TopAbs_Orientation side = e.Current().Orientation();
+        if (side != TopAbs_FORWARD && side != TopAbs_REVERSED) continue; /* bounds nothing */
+        all.push_back(take_edge(TopoDS::Edge(e.Current()), face));
+        if (side == TopAbs_REVERSED) all.back()->Reverse();
+    }
+    return all;
+}
+
+/* Takes what goes on best at `end`; null when nothing does better than to close the loop, `gap` away. */
+curve take_next(std::vector<curve> &rest, const gp_Pnt2d &end, double gap, const plane &p)
+{
+    struct choice {
+        size_t index;
+        bool reversed;
+        gp_Vec2d by;
+    } best{rest.size(), false, gp_Vec2d()};
+    constexpr double reluctance = 1e-4; /* to turn or to reverse */
+    for (size_t i = 0; i < rest.size(); ++i)
+        for (int k = 0; k < 4; ++k) {
+            const bool reversed = k & 1, turned = k & 2;
+            const gp_Pnt2d start = reversed ? rest[i]->EndPoint() : rest[i]->StartPoint();
+            const gp_Vec2d by = turned ? p.turns(start, end) : gp_Vec2d(0, 0);
+            const double d = p.distance(start.Translated(by), end) + reluctance * (reversed + turned);
+            if (d < gap) gap = d, best = {i, reversed, by};
+        }
+    if (best.index == rest.size()) return nullptr;
+    const curve c = rest[best.index];
+    rest.erase(rest.begin() + (std::ptrdiff_t)best.index);
+    if (best.reversed) c->Reverse();
+    c->Translate(best.by);
+    return c;
+}
+
+/* Is it one point of the surface that two points of the parameter plane mean, and all between them? */
+bool is_one_point(const Handle(Geom_Surface) & s, const gp_Pnt2d &a, const gp_Pnt2d &b, double tolerance)
+{
+    const gp_Pnt p = s->Value(a.X(), a.Y());
+    for (int i = 1; i <= 4; ++i) {
+        const gp_XY at = a.XY() + (b.XY() - a.XY()) * (0.25 * i);
+        if (s->Value(at.X(), at.Y()).Distance(p) > tolerance) return false;
+    }
+    return true;
+}
+
+std::vector<loop> chain(std::vector<curve> rest, const plane &p, const Handle(Geom_Surface) & s, double tolerance)
+{
+    std::vector<loop> all;
+    while (!rest.empty()) {
+        loop l{rest.front()};
+        rest.erase(rest.begin());
+        const gp_Pnt2d start = l.front()->StartPoint();
+        while (const curve next = take_next(rest, l.back()->EndPoint(), p.distance(l.back()->EndPoint(), start), p))
+            l.push_back(next);
+        const gp_Pnt2d end = l.back()->EndPoint();
+        if (p.distance(end, start) > 0.05 && !is_one_point(s, end, start, tolerance))
+            throw unusable("its boundary does not close");
+        all.push_back(l);
+    }
+    return all;
+}
+
+/* Loops that are whole turns away from the largest one are moved to it. */
+void gather(std::vector<loop> &loops, const plane &p)
+{
+    range most[2] = {{0, 0}, {0, 0}};
+    double area = -1;
+    for (const loop &l : loops) {
+        range box[2];
+        bound({l}, box);
+        if (box[0].size() * box[1].size() > area)
+            area = box[0].size() * box[1].size(), most[0] = box[0], most[1] = box[1];
+    }
+    for (loop &l : loops) {
+        range box[2];
+        bound({l}, box);
+        double by[2];
+        for (int d = 0; d < 2; ++d) {
+            const double middle = 0.5 * (box[d].low + box[d].high);
+            by[d] = p.turn[d] > 0 ? p.turn[d] * std::ceil((most[d].low - middle) / p.turn[d]) : 0;
+        }
+        for (const curve &c : l) c->Translate(gp_Vec2d(by[0], by[1]));
+    }
+}
+
+void extend(range box[2], double x, double y)
+{
+    const double at[2] = {x, y};
+    for (int d = 0; d < 2; ++d) box[d] = {std::min(box[d].low, at[d]), std::max(box[d].high, at[d])};
+}
+
+flat_curve keep(const curve &c)
+{
+    flat_curve to{c->Degree(), {}, {}};
+    for (int i = 1; i <= c->NbKnots(); ++i) to.knots.insert(to.knots.end(), (size_t)c->Multiplicity(i), c->Knot(i));
+    for (int i = 1; i <= c->NbPoles(); ++i) to.points.push_back({c->Pole(i).X(), c->Pole(i).Y(), c->Weight(i)});
+    return to;
+}
+
+} // namespace
+
+std::vector<loop> take_loops(const TopoDS_Face &of, const Handle(Geom_Surface) & s)
+{
+    const TopoDS_Face face = TopoDS::Face(of.Oriented(TopAbs_FORWARD));
+    std::vector<std::vector<curve>> wires;
+    std::vector<loop> loops;
+    for (TopExp_Explorer e(face, TopAbs_WIRE); e.More(); e.Next()) wires.push_back(take_wire(e.Current(), face));
+    wires.erase(std::remove_if(wires.begin(), wires.end(), [](const auto &w) { return w.empty(); }), wires.end());
+    if (wires.empty()) return loops;
+
+    range box[2];
+    bound(wires, box);
+    const plane p = {{s->IsUPeriodic() ? s->UPeriod() : 0, s->IsVPeriodic() ? s->VPeriod() : 0},
+                     {std::max(box[0].size(), DBL_MIN), std::max(box[1].size(), DBL_MIN)}};
+    for (std::vector<curve> &w : wires)
+        for (loop &l : chain(std::move(w), p, s, 10 * BRep_Tool::Tolerance(face))) loops.push_back(std::move(l));
+    if (loops.size() > 1) gather(loops, p);
+    return loops;
+}
+
+void bound(const std::vector<loop> &loops, range box[2])
+{
+    box[0] = box[1] = {HUGE_VAL, -HUGE_VAL};
+    for (const loop &l : loops)
+        for (const curve &c : l)
+            for (int i = 1; i <= c->NbPoles(); ++i) extend(box, c->Pole(i).X(), c->Pole(i).Y());
+}
+
+namespace
+{
+
+/* Interpolates a curve that is given point by point, by pieces of one degree. */
+class fit
+{
+  public:
+    fit(const curve &c, const surface &s) : c(c), s(s)
+    {
+        for (int d = 0; d < 2; ++d) tolerance[d] = 1e-10 * s.box[d].size();
+        const flat_curve old = keep(c);
+        out.degree = degree;
+        out.knots.assign(degree + 1, c->FirstParameter());
+        out.points.push_back({at(c->FirstParameter())[0], at(c->FirstParameter())[1], 1});
+        for (int i = 1; i < c->NbKnots(); ++i) add(c->Knot(i), c->Knot(i + 1), 0);
+        out.knots.push_back(c->LastParameter());
+    }
+    flat_curve out;
+
+  private:
+    static constexpr int degree = 7;
+    using pair = std::array<double, 2>;
+
+    pair at(double t) const
+    {
+        const gp_Pnt2d p = c->Value(t);
+        return {s.parameter(0, p.X()), s.parameter(1, p.Y())};
+    }
+
+    /* Where on the way from a to b an arc of the surface ends; b: nowhere. Only there is the curve not smooth. */
+    double next_end(double a, double b) const
+    {
+        double next = b;
+        for (int d = 0; d < 2; ++d) {
+            if (!s.angles[d]) continue;
+            const auto angle = [&](double t) { return d ? c->Value(t).Y() : c->Value(t).X(); };
+            const double from = angle(a), to = angle(next), end = s.angles[d]->first_end(from, to);
+            if (end == to) continue;
+            double before = a, after = next;
+            for (int i = 0; i < 60; ++i) {
+                const double middle = 0.5 * (before + after);
+                ((angle(middle) - end) * (to - end) < 0 ? before : after) = middle;
+            }
+            next = after;
+        }
+        return next;
+    }
+
+    static double node(int i) { return 0.5 - 0.5 * std::cos(i * 3.141592653589793 / degree); }
+
+    static double bernstein(int i, double t)
+    {
+        static const double choose[degree + 1] = {1, 7, 21, 35, 35, 21, 7, 1};
+        return choose[i] * std::pow(t, i) * std::pow(1 - t, degree - i);
+    }
+
+    /* From values at the nodes to Bézier points. */
+    static const std::array<std::array<double, degree + 1>, degree + 1> &weights()
+    {
+        static const auto inverse = [] {
+            std::array<std::array<double, degree + 1>, degree + 1> a{}, b{};
+            for (int i = 0; i <= degree; ++i) {
+                for (int j = 0; j <= degree; ++j) a[i][j] = bernstein(j, node(i));
+                b[i][i] = 1;
+            }
+            for (int k = 0; k <= degree; ++k) /* totally positive: needs no pivots */
+                for (int i = 0; i <= degree; ++i) {
+                    if (i == k) continue;
+                    const double f = a[i][k] / a[k][k];
+                    for (int j = 0; j <= degree; ++j) a[i][j] -= f * a[k][j], b[i][j] -= f * b[k][j];
+                }
+            for (int k = 0; k <= degree; ++k)
+                for (int j = 0; j <= degree; ++j) b[k][j] /= a[k][k];
+            return b;
+        }();
+        return inverse;
+    }
+
+    bool is_near(const pair *points, double a, double b) const
+    {
+        for (int i = 0; i < degree; ++i) {
+            const double t = 0.5 * (node(i) + node(i + 1));
+            const pair p = at(a + t * (b - a));
+            for (int d = 0; d < 2; ++d) {
+                double x = 0;
+                for (int k = 0; k <= degree; ++k) x += bernstein(k, t) * points[k][d];
+                if (!(std::fabs(x - p[d]) <= tolerance[d])) return false;
+            }
+        }
+        return true;
+    }
+
+    void add(double a, double b, int depth)
+    {
+        const double end = next_end(a, b);
+        if (end < b && end > a && depth < most) {
+            add(a, end, depth + 1);
+            return add(end, b, depth + 1);
+        }
+        pair values[degree + 1], points[degree + 1];
+        for (int i = 0; i <= degree; ++i) values[i] = at(a + node(i) * (b - a));
+        for (int i = 0; i <= degree; ++i)
+            for (int d = 0; d < 2; ++d) {
+                points[i][d] = 0;
+                for (int k = 0; k <= degree; ++k) points[i][d] += weights()[i][k] * values[k][d];
+            }
+        points[degree] = values[degree];
+        if (depth < most && !is_near(points, a, b)) {
+            add(a, 0.5 * (a + b), depth + 1);
+            return add(0.5 * (a + b), b, depth + 1);
+        }
+        for (int i = 1; i <= degree; ++i) out.points.push_back({points[i][0], points[i][1], 1});
+        out.knots.insert(out.knots.end(), degree, b);
+    }
+
+    static constexpr int most = 30; /* pieces within pieces */
+    const curve &c;
+    const surface &s;
+    double tolerance[2];
+};
+
+/* Does the curve stay at one value of a parameter? */
+bool is_constant(const curve &c, int direction, double tolerance)
+{
+    for (int i = 2; i <= c->NbPoles(); ++i)
+        if (std::fabs(c->Pole(i).Coord(1 + direction) - c->Pole(1).Coord(1 + direction)) > tolerance) return false;
+    return true;
+}
+
+} // namespace
+
+flat_curve convert(const curve &c, const surface &s)
+{
+    if (!s.angles[0] && !s.angles[1]) return keep(c);
+    const bool is_line = c->Degree() == 1 && c->NbPoles() == 2;
+    const auto constant = [&](int d) { return is_constant(c, d, 1e-12 * s.box[d].size()); };
+    if (!is_line || !(constant(0) || constant(1))) return fit(c, s).out;
+    flat_curve l = keep(c);
+    for (auto &p : l.points)
+        for (int d = 0; d < 2; ++d) p[d] = s.parameter(d, p[d]);
+    return l;
+}
+
+bool is_border(const std::vector<flat_curve> &l, const surface &s)
+{
+    double around = 0;
+    for (const flat_curve &c : l) {
+        bool on_side = false;
+        for (int d = 0; d < 2; ++d) {
+            const double size = s.box[d].size();
+            for (double side : {s.box[d].low, s.box[d].high})
+                on_side = on_side || std::all_of(c.points.begin(), c.points.end(),
+                                                 [&](const auto &p) { return std::fabs(p[d] - side) <= 1e-9 * size; });
+            around += std::fabs(c.points.back()[d] - c.points.front()[d]) / size;
+        }
+        if (!on_side) return false;
+    }
+    return std::fabs(around - 4) < 1e-6;
+}
+
+void join(std::vector<flat_curve> &l, const surface &s)
+{
+    for (size_t i = 0; i < l.size(); ++i) {
+        const auto &end = l[i].points.back();
+        auto &start = l[(i + 1) % l.size()].points.front();
+        bool near = true;
+        for (int d = 0; d < 2; ++d) near = near && std::fabs(start[d] - end[d]) <= 1e-9 * s.box[d].size();
+        if (near) start[0] = end[0], start[1] = end[1];
+    }
+}
+
+} // namespace cad
