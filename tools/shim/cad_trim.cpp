@@ -113,16 +113,24 @@ bool is_one_point(const Handle(Geom_Surface) & s, const gp_Pnt2d &a, const gp_Pn
 
 std::vector<loop> chain(std::vector<curve> rest, const plane &p, const Handle(Geom_Surface) & s, double tolerance)
 {
+    constexpr double far = 0.2; /* of the face: what cannot be bridged by a straight line */
+    const auto bridge = [&](const gp_Pnt2d &from, const gp_Pnt2d &to) {
+        if (p.distance(from, to) > far && !is_one_point(s, from, to, tolerance))
+            throw unusable("its boundary does not close");
+    };
     std::vector<loop> all;
     while (!rest.empty()) {
         loop l{rest.front()};
         rest.erase(rest.begin());
         const gp_Pnt2d start = l.front()->StartPoint();
-        while (const curve next = take_next(rest, l.back()->EndPoint(), p.distance(l.back()->EndPoint(), start), p))
+        for (;;) {
+            const gp_Pnt2d end = l.back()->EndPoint();
+            const double gap = p.distance(end, start);
+            const curve next = take_next(rest, end, gap > 0.1 * far ? HUGE_VAL : gap, p);
+            bridge(end, next ? next->StartPoint() : start);
+            if (!next) break;
             l.push_back(next);
-        const gp_Pnt2d end = l.back()->EndPoint();
-        if (p.distance(end, start) > 0.05 && !is_one_point(s, end, start, tolerance))
-            throw unusable("its boundary does not close");
+        }
         all.push_back(l);
     }
     return all;
