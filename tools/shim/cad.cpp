@@ -21,7 +21,10 @@
 
 #include <cstdio>
 #include <exception>
+#include <fstream>
+#include <ios>
 #include <new>
+#include <sstream>
 #include <string>
 
 namespace
@@ -65,13 +68,28 @@ template <class reader> TopoDS_Shape transfer(const char *path, const char *kind
     return r.OneShape();
 }
 
+/* The reader goes on for ever where a file ends too early: the stream has to throw. */
+TopoDS_Shape read_brep(const char *path)
+{
+    std::ifstream file(path, std::ios::binary);
+    std::stringstream text;
+    text << file.rdbuf() << "\n\n"; /* whoever reads the last number looks at what is behind it */
+    text.exceptions(std::ios::eofbit | std::ios::failbit | std::ios::badbit);
+    TopoDS_Shape shape;
+    try {
+        BRepTools::Read(shape, text, BRep_Builder());
+    } catch (const std::ios_base::failure &) {
+        throw unusable(
+            std::string(text.str().find("CASCADE Topology") < 100 ? "the file is damaged" : "this is no BREP file"));
+    }
+    return shape;
+}
+
 TopoDS_Shape read_shape(const char *path, cad_format format)
 {
     if (format == CAD_STEP) return transfer<STEPControl_Reader>(path, "STEP");
     if (format == CAD_IGES) return transfer<IGESControl_Reader>(path, "IGES");
-    TopoDS_Shape shape;
-    if (!BRepTools::Read(shape, path, BRep_Builder())) throw unusable("this is no BREP file");
-    return shape;
+    return read_brep(path);
 }
 
 /* A face, and what it points to. */

@@ -7,9 +7,9 @@
 #include "tools/shim/image.h"
 #include "tools/shim/module.h"
 
-#define CALL(name, ...) MODULE_CALL(&module, "epatch_image.so", name, __VA_ARGS__)
-
 static void *module;
+
+#define CALL(name, ...) ((__typeof__(&name))module_function(&module, "epatch_image.so", #name))(__VA_ARGS__)
 
 image_kind image_kind_of(const char *path, bool many)
 {

@@ -11,7 +11,4 @@
  * and nothing has been opened for writing yet. */
 void *module_function(void **module, const char *file, const char *name);
 
-/* Calls a function that has a declaration here and its definition in the module. */
-#define MODULE_CALL(module, file, name, ...) ((__typeof__(&name))module_function(module, file, #name))(__VA_ARGS__)
-
 #endif
