@@ -19,10 +19,12 @@
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <fstream>
 #include <ios>
+#include <iterator>
 #include <new>
 #include <sstream>
 #include <string>
@@ -60,36 +62,68 @@ template <class F> const char *guard(F &&body)
     }
 }
 
-template <class reader> TopoDS_Shape transfer(const char *path, const char *kind)
+std::string slurp(const char *path)
 {
-    reader r;
-    if (r.ReadFile(path) != IFSelect_RetDone) throw unusable(std::string("this is no ") + kind + " file");
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+/* What is wrong with a text that the reader of `kind` does not take; `mark` stands in all files of that kind. */
+unusable refusal(const std::string &text, const char *kind, const char *mark)
+{
+    if (text.find(mark) != std::string::npos) return unusable("the file is damaged");
+    return unusable(std::string("this is no ") + kind + " file");
+}
+
+template <class reader> TopoDS_Shape transfer(reader &r)
+{
     r.TransferRoots();
     return r.OneShape();
+}
+
+TopoDS_Shape read_step(const char *path)
+{
+    STEPControl_Reader r;
+    if (r.ReadFile(path) != IFSelect_RetDone) throw refusal(slurp(path), "STEP", "ISO-10303-21");
+    return transfer(r);
+}
+
+/* Is there a line of IGES's last section? The reader is content with less. */
+bool is_complete_iges(const std::string &text)
+{
+    for (size_t at = 0, end; at < text.size(); at = end + 1) {
+        end = std::min(text.find('\n', at), text.size());
+        if (end - at > 72 && text[at + 72] == 'T') return true;
+    }
+    return false;
+}
+
+TopoDS_Shape read_iges(const char *path)
+{
+    IGESControl_Reader r;
+    if (!is_complete_iges(slurp(path))) throw unusable("this is no IGES file, or it ends too early");
+    if (r.ReadFile(path) != IFSelect_RetDone) throw unusable("the file is damaged");
+    return transfer(r);
 }
 
 /* The reader goes on for ever where a file ends too early: the stream has to throw. */
 TopoDS_Shape read_brep(const char *path)
 {
-    std::ifstream file(path, std::ios::binary);
-    std::stringstream text;
-    text << file.rdbuf() << "\n\n"; /* whoever reads the last number looks at what is behind it */
+    const std::string all = slurp(path);
+    std::istringstream text(all + "\n\n"); /* whoever reads the last number looks at what is behind it */
     text.exceptions(std::ios::eofbit | std::ios::failbit | std::ios::badbit);
     TopoDS_Shape shape;
     try {
         BRepTools::Read(shape, text, BRep_Builder());
     } catch (const std::ios_base::failure &) {
-        throw unusable(
-            std::string(text.str().find("CASCADE Topology") < 100 ? "the file is damaged" : "this is no BREP file"));
+        throw refusal(all, "BREP", "CASCADE Topology");
     }
     return shape;
 }
 
 TopoDS_Shape read_shape(const char *path, cad_format format)
 {
-    if (format == CAD_STEP) return transfer<STEPControl_Reader>(path, "STEP");
-    if (format == CAD_IGES) return transfer<IGESControl_Reader>(path, "IGES");
-    return read_brep(path);
+    return format == CAD_STEP ? read_step(path) : format == CAD_IGES ? read_iges(path) : read_brep(path);
 }
 
 /* A face, and what it points to. */
