@@ -26,6 +26,7 @@ import traceback
 import xml.etree.ElementTree
 
 EPATCH = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else sys.exit(__doc__)
+CAD = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cad")
 MISS = 0xFFFFFFFF
 passed = failed = 0
 
@@ -254,7 +255,7 @@ def bad_scenes():
     yield scene({"type": "bezier", "patches": []}), r"needs 'degree'"
     yield scene({"type": "file"}), r"needs 'path'"
     yield scene({"type": "file", "path": "missing.bpt"}), r"missing\.bpt: cannot open"
-    yield scene({"type": "file", "path": "part.step"}), r"part\.step: \.step files are not supported yet"
+    yield scene({"type": "file", "path": "missing.step"}), r"missing\.step: cannot open"
     yield scene({"type": "file", "path": "self.json"}), r"self\.json: "
     yield scene(SADDLE, objects=[{"geometry": "sadle"}]), r":1:\d+: no geometry is called 'sadle'"
     yield scene(SADDLE, SADDLE, objects=[{"geometry": "saddle"}]), r"several geometries are called 'saddle'"
@@ -813,8 +814,7 @@ def test_files():
     refuses(Run("info", "missing.bpt"), 1, r"missing\.bpt: cannot open")
     refuses(Run("info", "missing.xyz"), 1, r"missing\.xyz: cannot open")
     refuses(Run("info", write("some.xyz", "x")), 1, r"some\.xyz: ")
-    refuses(Run("info", write("some.step", "x")), 1, r"some\.step: .*not supported yet")
-    for name in ("folder", "folder.json", "folder.bpt", "folder.dir"):
+    for name in ("folder", "folder.json", "folder.bpt", "folder.step", "folder.dir"):
         os.makedirs(name, exist_ok=True)
         refuses(Run("info", name), 1, rf"{name}: cannot read: Is a directory")
     refuses(Run("trace", good, "--rays", "folder", "--hits", "h"), 1, "Is a directory")
@@ -1573,6 +1573,128 @@ def test_bench_trims():
     refuses(Run("bench", "--trim-curves", "--trim-costs", *BENCH), 2, "exclude each other")
     refuses(Run("bench", name, "--trims", "--stats", "s", *BENCH), 2, "go with none of")
     refuses(Run("bench", name, "--trims", "--trim-tests", "guess", *BENCH), 2, "--trim-tests has 'guess'")
+
+
+def cad_sphere(x, y):
+    """The faces that a ray down meets first, as (height, face, normal), in the order of parts.step."""
+    r2 = x * x + y * y
+    return (5 + math.sqrt(25 - r2), 7, (x, y, math.sqrt(25 - r2))) if r2 < 25 else None
+
+
+def cad_cone(x, y):
+    r = math.hypot(x, y)
+    if r > 6:
+        return None
+    return (10, 9, (0, 0, 1)) if r < 2 else (2.5 * (6 - r), 8, (x / r, y / r, .4))
+
+
+def cad_torus(x, y):
+    r = math.hypot(x, y)
+    if not 4 < r < 8:
+        return None
+    z = math.sqrt(4 - (r - 6) ** 2)
+    return 2 + z, 11, ((r - 6) * x / r, (r - 6) * y / r, z)
+
+
+def cad_plate(x, y):
+    return (10, 2, (0, 0, 1)) if abs(x) < 20 and abs(y) < 15 and math.hypot(x, y) > 6 else None
+
+
+def cad_segment(x, y):
+    return (10, 16, (0, 0, 1)) if x > 3 and math.hypot(x, y) < 6 else None
+
+
+def parallel(a, b, tolerance=1e-5):
+    """Up to the sign."""
+    dot = sum(x * y for x, y in zip(a, b))
+    return dot * dot >= (1 - tolerance ** 2) * sum(x * x for x in a) * sum(x * x for x in b)
+
+
+def cad_ray_is_right(hit, t, face, normal):
+    if t is None:
+        return hit[3:5] == (MISS, MISS)
+    return hit[3:5] == (0, face) and abs(hit[0] - t) < 1e-4 and parallel(hit[5:], normal, 1e-3)
+
+
+def test_cad():
+    """Faces of a STEP file: where they are, against formulas, their numbers and their trims."""
+    parts = os.path.join(CAD, "parts.step")
+    rays, expected = [], []
+    for centre, part in ((20, cad_plate), (60, cad_sphere), (80, cad_cone), (100, cad_torus), (120, cad_segment)):
+        for i in range(61):
+            for j in range(61):
+                x, y = .7 * (i - 30) + .0123, .7 * (j - 30) + .0321
+                if abs(x) < 10 or part == cad_plate and x < 19:
+                    rays.append(down(centre + x, 15 + y, 20))
+                    expected.append(part(x, y))
+    for k in range(64):  # the walls, from inside and from outside
+        c, s = math.cos(.1 * k + .05), math.sin(.1 * k + .05)
+        rays.append((20, 15, 5, 0, c, s, .1, math.inf))
+        expected.append((6, 6, (c, s, 0)))
+        if c > .51:
+            rays.append((120 + 9 * c, 15 + 9 * s, 5, 0, -c, -s, 0, math.inf))
+            expected.append((3, 12 if s < 0 else 13, (c, s, 0)))
+    hits, wrong = trace(parts, rays), []
+    for ray, hit, e in zip(rays, hits, expected):
+        t, face, normal = e or (None, None, None)
+        if not cad_ray_is_right(hit, 20 - t if t and ray[2] == 20 else t, face, normal):
+            wrong.append((ray, hit, e))
+    check(hits and not wrong, f"parts.step: {len(wrong)} rays are wrong: {wrong[:3]}")
+    for h in trace(parts, [(20, 15, 5, 0, math.cos(a), math.sin(a), 0, math.inf) for a in (.7, 1.5, 3.9)]):
+        check(5 < h[2] + 5 < 15 and h[1] > 0, f"parameters of the wall: {h}")
+    r = Run("info", parts, "--json")
+    check(works(r) and json.loads(r.out)["geometries"][0]["patches"] == 45, f"{r}: {r.out[:300]}")
+    works(Run("verify", parts, "--rays", "2000", "--isa", "plain", "--width", "16"))
+    for as_ in ("patches", "triangles:64"):  # a file in a scene
+        name = write("scene.json", scene({"type": "file", "path": parts}))
+        h = trace(name, [down(60, 15, 20)], "--as", as_)
+        check(h and h[0][4] == 7 and abs(h[0][0] - 10) < .01, f"a sphere in a scene, {as_}: {h}")
+
+
+def test_cad_kinds():
+    """A BREP file with one solid in two places and a face that is left out, and a trimmed saddle from an IGES file."""
+    twice = os.path.join(CAD, "twice.brep")
+    left_out = f"epatch: {twice}: face 0 is left out: it has no end\n"
+    write("rays", pack_rays([(3, 3, 1, 0, 1, 1, 0, math.inf), down(1, 1, 9), (1, 1, -9, 0, 0, 0, 1, math.inf),
+                             (1, -1, 1, 0, 0, 1, 0, math.inf), (-1, 1, 1, 0, 1, 0, 0, math.inf),
+                             (23, -3, 3, 0, 1, 0, 1, math.inf), (21, -9, 1, 0, 0, 1, 0, math.inf),
+                             (21, 1, 1, 0, 0, -1, 0, math.inf), (21, -1, -1, 0, 0, 0, 1, math.inf),
+                             (19, -1, 1, 0, 1, 0, 0, math.inf)]))
+    r = Run("trace", twice, "--rays", "rays", "--hits", "hits")
+    check(r.status == 0 and r.err == left_out, f"{r}")
+    with open("hits", "rb") as f:
+        hits = list(struct.iter_unpack("<3f2I3f", f.read()))
+    check([h[4] for h in hits] == list(range(1, 11)), f"twice.brep: faces {[h[4] for h in hits]}")
+    wall = math.sqrt(12.5) - 3
+    check(close([h[0] for h in hits], [wall, 1, 9, 1, 1, wall, 1, 1, 1, 1]), f"twice.brep: {[h[0] for h in hits]}")
+
+    saddle = os.path.join(CAD, "saddle.iges")
+    rays = [down(.3 + .37 * i, .2 + .39 * j, 20) for i in range(27) for j in range(26)]
+    hits, wrong = trace(saddle, rays), []
+    for (x, y, *_), h in zip(rays, hits):
+        kept = x < 10 and math.hypot(x - 5, y - 5) > 3
+        if not cad_ray_is_right(h, 20 - x * y / 10 if kept else None, 0, (-y, -x, 10)) or kept and not close(h[1:3], (x, y)):
+            wrong.append((x, y, h))
+    check(hits and not wrong, f"saddle.iges: {len(wrong)} rays are wrong: {wrong[:3]}")
+
+
+def test_bad_cad():
+    for name in ("empty.step", "empty.iges", "empty.brep", "words.step", "words.igs", "words.brep"):
+        refuses(Run("info", write(name, "" if "empty" in name else "some words\n" * 9)), 1,
+                rf"{name}: this is no (STEP|IGES|BREP) file")
+        refuses(Run("info", "missing" + name), 1, "cannot open: No such file")
+    for name in ("parts.step", "twice.brep", "saddle.iges"):
+        with open(os.path.join(CAD, name), "rb") as f:
+            whole = f.read()
+        for part in (.2, .5, .9):
+            refuses(Run("info", write(name, whole[:int(part * len(whole))])), 1,
+                    "ends too early" if name == "saddle.iges" else "the file is damaged")
+        # whatever else is wrong: no crash, and nothing but messages
+        for i in range(8):
+            at = len(whole) * (i + 1) // 10
+            r = Run("info", write(name, whole[:at] + whole[at + 50 + 13 * i:]))
+            check(r.status in (0, 1) and all(line.startswith("epatch: ") for line in r.err.splitlines()) and
+                  (r.status == 0 or not r.out), f"{name}, damaged at {at}: {r}")
 
 
 def run_test(name):

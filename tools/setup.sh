@@ -10,7 +10,7 @@ setup_missing() {
     for pair in meson:meson ninja:ninja-build gcc:gcc g++:g++ pkg-config:pkg-config python3:python3 "$@"; do
         command -v "${pair%%:*}" > /dev/null || echo "${pair#*:}"
     done
-    for package in libembree-dev libopenimageio-dev libjansson-dev libosd-dev libcmocka-dev; do
+    for package in libembree-dev libopenimageio-dev libjansson-dev libosd-dev libocct-data-exchange-dev libcmocka-dev; do
         dpkg -s "$package" 2> /dev/null | grep -q '^Status: install ok installed' || echo "$package"
     done
 }

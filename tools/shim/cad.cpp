@@ -8,8 +8,6 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <IGESControl_Reader.hxx>
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
 #include <Precision.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
@@ -192,7 +190,6 @@ void describe(converted &c)
 
 const char *cad_read(const char *path, cad_format format, cad_taker take, void *user)
 {
-    Message::DefaultMessenger()->ChangePrinters().Clear();
     std::vector<TopoDS_Face> faces;
     const char *failure = guard([&] {
         const TopoDS_Shape shape = read_shape(path, format);

@@ -39,8 +39,11 @@ namespace cad
 namespace
 {
 
-/* Of the largest coordinate, for what cannot be exact. */
-constexpr double approximation = 1e-8;
+/* How far what cannot be exact may be off. */
+double tolerance(const gp_Pnt &a, const gp_Pnt &b)
+{
+    return 1e-8 * (a.XYZ().Modulus() + b.XYZ().Modulus());
+}
 
 struct vector {
     double x[3];
@@ -112,7 +115,7 @@ net convert_curve(const Handle(Geom_Curve) & c, range &r, std::optional<arcs> &a
     if (const auto b = Handle(Geom_BezierCurve)::DownCast(c))
         return spline_curve(GeomConvert::CurveToBSplineCurve(b), r);
     const Handle(Geom_TrimmedCurve) part = new Geom_TrimmedCurve(c, r.low, r.high);
-    GeomConvert_ApproxCurve a(part, approximation * c->Value(r.high).XYZ().Modulus(), GeomAbs_C2, 100, 9);
+    GeomConvert_ApproxCurve a(part, tolerance(part->StartPoint(), part->EndPoint()), GeomAbs_C2, 100, 9);
     if (!a.HasResult()) throw unusable("its curve cannot be approximated");
     return spline_curve(a.Curve(), r);
 }
@@ -224,8 +227,8 @@ surface offset(const Handle(Geom_OffsetSurface) & o, const range box[2])
     if (!exact.IsNull() && is_same(o, exact, box)) return convert(exact, box);
     const Handle(Geom_Surface) part =
         new Geom_RectangularTrimmedSurface(o, box[0].low, box[0].high, box[1].low, box[1].high);
-    const double scale = part->Value(box[0].high, box[1].high).XYZ().Modulus();
-    GeomConvert_ApproxSurface a(part, approximation * scale, GeomAbs_C1, GeomAbs_C1, 9, 9, 100, 1);
+    const gp_Pnt begin = part->Value(box[0].low, box[1].low), end = part->Value(box[0].high, box[1].high);
+    GeomConvert_ApproxSurface a(part, tolerance(begin, end), GeomAbs_C1, GeomAbs_C1, 9, 9, 100, 1);
     if (!a.HasResult()) throw unusable("its surface, an offset, cannot be approximated");
     return spline(a.Surface(), box);
 }
