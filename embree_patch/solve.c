@@ -238,17 +238,23 @@ static double side_length(const problem *p, const ep_point *net, unsigned i, uns
     return sum;
 }
 
-/* Halves a cell: rectangles along the side on which f changes more, triangles through the middle of their longest side
- * in space, so that a collapsed side does not double the number of cells at each level. Returns the number of parts. */
+/* By how much f1, f2 (or t's numerator) change along a side at most. */
+static double change(const ep_range *slope, int first, int end)
+{
+    double sum = 0;
+    for (int k = first; k < end; ++k) sum += fmax(fabs(slope[k].lo), fabs(slope[k].hi));
+    return sum;
+}
+
+/* Halves a cell: rectangles along the side on which f changes more; where it no longer does, because the ray lies in
+ * the surface, that on which t does; triangles through the middle of their longest side in space, so that a collapsed
+ * side does not double the number of cells at each level. Returns the number of parts. */
 static unsigned halve(const problem *p, const ep_point *net, const slopes *g, const ep_domain *d, ep_domain part[2])
 {
     if (!p->triangle) {
-        double s = 0, t = 0;
-        for (int k = 0; k < 2; ++k) {
-            s += fmax(fabs(g->s[k].lo), fabs(g->s[k].hi));
-            t += fmax(fabs(g->t[k].lo), fabs(g->t[k].hi));
-        }
-        return p->kind->split(d, t > s, part);
+        const double s = change(g->s, 0, 2), t = change(g->t, 0, 2);
+        if (fmax(s, t) > p->small) return p->kind->split(d, t > s, part);
+        return p->kind->split(d, change(g->t, 2, 3) > change(g->s, 2, 3), part);
     }
     const double s = side_length(p, net, 0, 0, 1, 0), t = side_length(p, net, 0, 0, 0, 1),
                  across = side_length(p, net, p->m, 0, -1, 1);

@@ -43,6 +43,36 @@ static void at_the_very_border(void **state)
     }
 }
 
+/* A ray in the plane of a flat patch, along its sides or askew, is in the surface from its border on: the first root is
+ * where it comes in. */
+static void within_a_flat_patch(void **state)
+{
+    (void)state;
+    for (uint64_t k = 0; k < 60; ++k) {
+        rng r = rng_split(3, 0, k);
+        const bool triangle = k % 2;
+        const unsigned n = 1 + rng_below(&r, 4);
+        test_patch p = {.shape = {triangle, n, n}};
+        for (unsigned j = 0; j <= n; ++j)
+            for (unsigned i = 0; net_has(p.shape, i, j); ++i) {
+                double *x = p.points[net_index(p.shape, i, j)];
+                x[0] = (double)i / n, x[1] = (double)j / n, x[2] = 0, x[3] = 1;
+            }
+        test_scene s = new_scene(&p, 1, NULL);
+        for (int i = 0; i < 12; ++i) {
+            const int axis = i % 3; /* along u, along v, askew */
+            const double at = rng_in(&r, 0.1, 0.4), slope = axis == 2 ? rng_in(&r, 0.05, 0.5) : 0;
+            float org[3] = {-1, (float)at, 0}, dir[3] = {1, (float)slope, 0};
+            if (axis == 1) org[0] = (float)at, org[1] = -1, dir[0] = 0, dir[1] = 1;
+            if ((double)org[1] + slope > 0.9) continue;
+            const judge_answer a = trace_one(s.scene, org, dir, 0, INFINITY);
+            CHECK(fabs(a.t - 1) < 1e-5, "%s %u: %s: t %.9g", triangle ? "triangle" : "tensor", n, ray_text(org, dir),
+                  a.t);
+        }
+        free_scene(&s);
+    }
+}
+
 /* From up to 2^-9 away, polishing has to end where the surface meets the ray, with the surface's normal there: as well
  * as doubles tell, whatever the number of steps. */
 static void polished_roots(void **state)
@@ -103,6 +133,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(at_the_very_border),
+        cmocka_unit_test(within_a_flat_patch),
         cmocka_unit_test(polished_roots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

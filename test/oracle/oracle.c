@@ -14,11 +14,12 @@
 
 enum {
     PIECE_CUTS = 6,      /* a patch is cut into 2^6 pieces                                           */
-    SEARCH_PARTS = 5000 /* parts of a piece; a ray along a flat patch would go on for ever          */
+    SEARCH_PARTS = 5000, /* parts of a piece; a ray along a flat patch would go on for ever          */
+    EDGE_ON_PARTS = 50   /* ... that one counts for which the ray sees as no more than a line        */
 };
 static const double extension = 2 * ORACLE_BORDER;
-static const double smallest = 0x1p-16; /* sides of a part, of the domain, that is no longer cut */
-static const double rounding = 1e-13;   /* of the patch's radius; double errs by less           */
+static const double smallest = 0x1p-16;  /* sides of a part, of the domain, that is no longer cut */
+static const double rounding = 1e-13;    /* of the patch's radius; double errs by less           */
 static const double newton_slack = 1e-9; /* a root on the border of two parts belongs to both    */
 
 typedef struct patch {
@@ -254,8 +255,8 @@ typedef struct query {
     uint32_t index;
     const double *org, *dir;
     double tnear, tfar;
-    double t0;           /* t of the point of the ray that is nearest to the patch's centre */
-    unsigned parts;      /* searched in this piece */
+    double t0;      /* t of the point of the ray that is nearest to the patch's centre */
+    unsigned parts; /* searched in this piece */
     oracle_root *roots;
     size_t count;
 } query;
@@ -338,15 +339,16 @@ static void add_found(query *q, double u, double v, double t)
     if (r.border < -ORACLE_BORDER || t <= q->tnear - near_end || t >= q->tfar + near_end) return;
     r.t_low = r.t_high = t;
     if (r.cosine < ORACLE_TANGENT) widen(q, &r);
-    r.doubtful = r.border < ORACLE_BORDER || r.cosine < ORACLE_TANGENT || t < q->tnear + near_end ||
-                 t > q->tfar - near_end;
+    r.doubtful =
+        r.border < ORACLE_BORDER || r.cosine < ORACLE_TANGENT || t < q->tnear + near_end || t > q->tfar - near_end;
     add_root(q, &r);
 }
 
 static void add_undecided(query *q, const net_part *part, range t)
 {
     const double third = q->patch->shape.triangle ? 1.0 / 3 : 0.5;
-    oracle_root r = root_at(q, part->at[0] + third * (part->a[0] + part->b[0]), part->at[1] + third * (part->a[1] + part->b[1]));
+    oracle_root r =
+        root_at(q, part->at[0] + third * (part->a[0] + part->b[0]), part->at[1] + third * (part->a[1] + part->b[1]));
     r.t_low = t.low;
     r.t_high = t.high;
     r.doubtful = true;
@@ -408,13 +410,23 @@ static range hull(const net_point *net, size_t count, double a, double b)
     return r;
 }
 
-/* Whether the part can come within `slack` of the ray, seen along the longer side of its image and across. */
-static bool may_touch(const net_point *net, size_t count, const slopes *d, double slack)
+/* A part's image seen along its longer side, and across. */
+typedef struct image {
+    range along, across;
+} image;
+
+static image image_of(const net_point *net, size_t count, const slopes *d)
 {
     const double side[2] = {hypot(d->mid[0][0], d->mid[1][0]), hypot(d->mid[0][1], d->mid[1][1])};
     const int k = side[1] > side[0];
     const double a = side[k] > 0 ? d->mid[0][k] / side[k] : 1, b = side[k] > 0 ? d->mid[1][k] / side[k] : 0;
-    return holds_zero(hull(net, count, a, b), slack) && holds_zero(hull(net, count, -b, a), slack);
+    return (image){hull(net, count, a, b), hull(net, count, -b, a)};
+}
+
+/* Whether the part can come within `slack` of the ray. */
+static bool may_touch(const image *i, double slack)
+{
+    return holds_zero(i->along, slack) && holds_zero(i->across, slack);
 }
 
 /* At most one root: the derivative deviates from its middle J by less than half of it, |J^-1 (DF - J)| <= 1/2, its
@@ -465,12 +477,13 @@ static void search(query *q, const net_point *net, const net_part *part)
     const slopes d = slopes_of(s, net);
     double w = 0, inverse[2][2];
     for (size_t k = 0; k < count; ++k) w = fmax(w, net[k][3]);
-    const double noise = rounding * w * q->patch->radius;
+    const double noise = rounding * w * q->patch->radius, near = w * ORACLE_NEAR * q->patch->radius;
+    const image seen = image_of(net, count, &d);
 
-    if (!may_touch(net, count, &d, w * ORACLE_NEAR * q->patch->radius)) return;
+    if (!may_touch(&seen, near)) return;
     if (one_at_most(&d, 2 * (s.m + s.n) * noise, inverse)) {
         double a, b, t;
-        if (!may_touch(net, count, &d, noise)) return;
+        if (!may_touch(&seen, noise)) return;
         for (int k = 0; k < 2; ++k) {
             const double slack = noise * (fabs(inverse[k][0]) + fabs(inverse[k][1]));
             if (!holds_zero(hull(net, count, inverse[k][0], inverse[k][1]), slack)) return;
@@ -485,7 +498,8 @@ static void search(query *q, const net_point *net, const net_part *part)
     legs_of(q, net, legs);
     const unsigned edge = legs[2] > fmax(legs[0], legs[1]) ? 2 : legs[1] > legs[0];
     const double size = fabs(part->a[0]) + fabs(part->a[1]) + fabs(part->b[0]) + fabs(part->b[1]);
-    if (size < smallest || legs[edge] <= ORACLE_NEAR * q->patch->radius || ++q->parts > SEARCH_PARTS) {
+    q->parts += seen.across.low >= -near && seen.across.high <= near ? EDGE_ON_PARTS : 1;
+    if (size < smallest || legs[edge] <= ORACLE_NEAR * q->patch->radius || q->parts > SEARCH_PARTS) {
         add_undecided(q, part, t_range(q, net, count));
         return;
     }
@@ -506,8 +520,9 @@ static void search_piece(query *q, const piece *p)
     q->t0 = -dot(o, q->dir) / dd;
     for (int c = 0; c < 3; ++c) o[c] += q->t0 * q->dir[c];
 
-    const int axis = fabs(q->dir[0]) < fabs(q->dir[1]) ? fabs(q->dir[0]) < fabs(q->dir[2]) ? 0 : 2
-                                                       : fabs(q->dir[1]) < fabs(q->dir[2]) ? 1 : 2;
+    const int axis = fabs(q->dir[0]) < fabs(q->dir[1])   ? fabs(q->dir[0]) < fabs(q->dir[2]) ? 0 : 2
+                     : fabs(q->dir[1]) < fabs(q->dir[2]) ? 1
+                                                         : 2;
     const double e[3] = {axis == 0, axis == 1, axis == 2};
     cross(q->dir, e, n1);
     const double l1 = sqrt(dot(n1, n1));
