@@ -42,7 +42,7 @@ enum {
     CAGE_LEVEL_MAX = 16     /* what is left then is as small as floats tell apart */
 };
 
-/* All arrays are malloc'ed and the cage's; capacities are for cage_grow. */
+/* All arrays are malloc'ed and the cage's; capacities are for array_grow. */
 typedef struct cage {
     cage_scheme scheme;
     cage_boundary boundary;
@@ -61,8 +61,5 @@ typedef struct cage {
 
 /* A cage is malloc'ed, too; NULL is fine. */
 void cage_free(cage *c);
-
-/* Makes room for `more` items behind `count`. False without memory. */
-bool cage_grow(void **items, size_t *capacity, size_t count, size_t more, size_t size);
 
 #endif

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/cage_build.h"
+#include "tools/array.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +15,7 @@ static const char no_memory[] = "out of memory";
 /* Room for one item more: where the items are then, or NULL without memory. */
 static void *make_room(void *items, size_t *capacity, size_t count, size_t size)
 {
-    return cage_grow(&items, capacity, count, 1, size) ? items : NULL;
+    return array_grow(&items, capacity, count, 1, size) ? items : NULL;
 }
 
 #define MAKE_ROOM(items, capacity, count)                                                                              \

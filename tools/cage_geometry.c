@@ -4,6 +4,7 @@
  *
  * A chart is a face, or a quadrilateral of a polygon: its patches come one after the other and are merged where they
  * are one polynomial. */
+#include "tools/array.h"
 #include "tools/cage_merge.h"
 #include "tools/model.h"
 #include "tools/progress.h"
@@ -78,8 +79,8 @@ static void add_chart(filling *f)
     qsort(f->patches, f->count, sizeof *f->patches, compare_areas);
     here.first = g->patch_count;
     here.count = f->count;
-    if (cage_grow((void **)&g->places, &f->place_capacity, g->patch_count, f->count, sizeof *g->places) &&
-        cage_grow((void **)&g->charts, &f->chart_capacity, g->chart_count, 1, sizeof *g->charts))
+    if (array_grow((void **)&g->places, &f->place_capacity, g->patch_count, f->count, sizeof *g->places) &&
+        array_grow((void **)&g->charts, &f->chart_capacity, g->chart_count, 1, sizeof *g->charts))
         g->charts[g->chart_count++] = here;
     else f->problem = "out of memory";
     for (size_t i = 0; i < f->count && !f->problem; ++i) f->problem = add_patch(g, &here, &f->patches[i]);
@@ -90,7 +91,7 @@ static bool take(void *user, const cage_patch *p)
 {
     filling *f = user;
     if (f->count && (p->face != f->patches->face || p->quad != f->patches->quad)) add_chart(f);
-    if (!f->problem && !cage_grow((void **)&f->patches, &f->capacity, f->count, 1, sizeof *f->patches))
+    if (!f->problem && !array_grow((void **)&f->patches, &f->capacity, f->count, 1, sizeof *f->patches))
         f->problem = "out of memory";
     if (f->problem) return false;
     f->patches[f->count++] = *p;

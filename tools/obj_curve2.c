@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/obj_curve2.h"
-#include "tools/cage.h"
+#include "tools/array.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static const char out_of_memory[] = "out of memory";
 const char *obj_curves_add(obj_curves *c, obj_net *n)
 {
     void *all = c->all;
-    if (!cage_grow(&all, &c->capacity, c->count, 1, sizeof *c->all)) return obj_net_free(n), out_of_memory;
+    if (!array_grow(&all, &c->capacity, c->count, 1, sizeof *c->all)) return obj_net_free(n), out_of_memory;
     c->all = all;
     c->all[c->count++] = *n;
     *n = (obj_net){0};

@@ -3,7 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/obj_free.h"
 #include "tools/args.h"
-#include "tools/cage.h"
+#include "tools/array.h"
 #include "tools/model.h"
 #include "tools/obj_element.h"
 #include "tools/obj_surface.h"
@@ -15,7 +15,7 @@
 bool obj_add_numbers(obj_free *f, obj_numbers *to, const double *x, size_t count)
 {
     void *at = to->at;
-    if (!cage_grow(&at, &to->capacity, to->count, count, sizeof *x)) return report_no_memory(f->text->path), false;
+    if (!array_grow(&at, &to->capacity, to->count, count, sizeof *x)) return report_no_memory(f->text->path), false;
     to->at = at;
     memcpy(to->at + to->count, x, count * sizeof *x);
     to->count += count;
