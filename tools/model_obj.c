@@ -132,7 +132,7 @@ static bool tell(const obj *o)
 static bool read_surfaces(obj *o, scene_geometry *g)
 {
     o->free = (obj_free){.text = &o->text, .g = g};
-    o->free.curves.points_left = 16 * (strlen(o->text.at) + 1);
+    o->free.curves.points_left = 2 * (strlen(o->text.at) + 1);
     const bool done = read_statements(o) && obj_free_is_complete(&o->free);
     obj_free_release(&o->free);
     return done && tell(o);
