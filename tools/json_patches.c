@@ -128,17 +128,6 @@ bool json_read_bezier(const json_reader *r, const json_node *n, scene_geometry *
            json_read_patches(r, n, PATCH_TENSOR, degree, g);
 }
 
-static double *read_knots(const json_reader *r, const json_node *n, size_t *count)
-{
-    if (!json_is(r, n, JSON_ARRAY, "a knot vector")) return NULL;
-    *count = json_array_size(n->json);
-    double *knots = malloc((*count + 1) * sizeof *knots);
-    if (!knots) return json_no_memory(r), NULL;
-    if (json_read_numbers(r, n, "a knot vector", *count, knots)) return knots;
-    free(knots);
-    return NULL;
-}
-
 /* The points that go with the knots. */
 static bool read_net(const json_reader *r, const json_node *n, const nurbs *s, scene_geometry *g)
 {
@@ -170,7 +159,7 @@ static bool read_surface(const json_reader *r, const json_node *n, nurbs *s, dou
     if (json_array_size(k.json) != 2) return json_wrong(r, &k, "'knots' has two lists: for u and for v");
     for (size_t i = 0; i < 2; ++i) {
         const json_node e = json_element(&k, i);
-        s->knots[i] = knots[i] = read_knots(r, &e, &s->knot_count[i]);
+        s->knots[i] = knots[i] = json_read_list(r, &e, "a knot vector", &s->knot_count[i]);
         if (!knots[i]) return false;
         if (s->knot_count[i] < 2 * (s->degree[i] + 1))
             return json_wrong(r, &e, "a surface of degree %u has at least %u knots, not %zu", s->degree[i],

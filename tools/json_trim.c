@@ -96,17 +96,6 @@ static bool read_bezier(const json_reader *r, const json_node *n, EPRegion regio
     return done;
 }
 
-static double *read_knots(const json_reader *r, const json_node *n, size_t *count)
-{
-    if (!json_is(r, n, JSON_ARRAY, "'knots'")) return NULL;
-    *count = json_array_size(n->json);
-    double *knots = malloc((*count + 1) * sizeof *knots);
-    if (!knots) return json_no_memory(r), NULL;
-    if (json_read_numbers(r, n, "'knots'", *count, knots)) return knots;
-    free(knots);
-    return NULL;
-}
-
 static bool read_nurbs(const json_reader *r, const json_node *n, EPRegion region, trim_shape *polygon)
 {
     static const char *const keys[] = {"degree", "knots", "points"};
@@ -121,7 +110,7 @@ static bool read_nurbs(const json_reader *r, const json_node *n, EPRegion region
         return json_wrong(r, &d, "a degree is %g, not a whole number from 1 to %d", degree, EP_MAX_DEGREE);
     size_t count = 0, knot_count = 0;
     double *points = read_curve_points(r, n, what, &count);
-    double *knots = points ? read_knots(r, &k, &knot_count) : NULL;
+    double *knots = points ? json_read_list(r, &k, "'knots'", &knot_count) : NULL;
     const unsigned p = (unsigned)degree;
     const bool done = knots && check(r, n, region, epAddRegionNURBS(region, p, knot_count, knots, count, points)) &&
                       keep_segment(r, polygon, SEGMENT_NURBS, p, count, points, 3, knots);

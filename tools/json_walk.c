@@ -129,6 +129,17 @@ bool json_read_numbers(const json_reader *r, const json_node *n, const char *wha
     return true;
 }
 
+double *json_read_list(const json_reader *r, const json_node *n, const char *what, size_t *count)
+{
+    if (!json_is(r, n, JSON_ARRAY, what)) return NULL;
+    *count = json_array_size(n->json);
+    double *list = malloc((*count + 1) * sizeof *list);
+    if (!list) return json_no_memory(r), NULL;
+    if (json_read_numbers(r, n, what, *count, list)) return list;
+    free(list);
+    return NULL;
+}
+
 bool json_read_string(const json_reader *r, const json_node *n, const char *what, char **to)
 {
     if (!json_is(r, n, JSON_STRING, what)) return false;

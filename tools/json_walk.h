@@ -42,6 +42,8 @@ bool json_read_whole(const json_reader *r, const json_node *n, const char *what,
 /* `what` of which there are `count`. */
 bool json_read_index(const json_reader *r, const json_node *n, const char *what, size_t count, uint32_t *to);
 bool json_read_numbers(const json_reader *r, const json_node *n, const char *what, size_t count, double *to);
+/* A list of any length, malloc'ed; NULL after a message. */
+double *json_read_list(const json_reader *r, const json_node *n, const char *what, size_t *count);
 bool json_read_string(const json_reader *r, const json_node *n, const char *what, char **to);
 
 #endif
