@@ -291,7 +291,8 @@ static void clamp(bool triangle, double *s, double *t)
 
 typedef enum verdict { NO_ROOT, ROOT, UNDECIDED } verdict;
 
-/* Newton in a certified cell, from its middle. */
+/* Newton in a certified cell, from its middle. Rounding of f displaces roots by up to `slack`, which is much of a cell
+ * next to a pole: a root that is outside by no more may be one that the cell beside it takes for this one's. */
 static verdict newton(const problem *p, const ep_point *net, double *s, double *t)
 {
     *s = p->kind->middle;
@@ -303,12 +304,14 @@ static verdict newton(const problem *p, const ep_point *net, double *s, double *
         const double ds = (j.pv[0] * j.p[1] - j.pv[1] * j.p[0]) / det;
         const double dt = (j.pu[1] * j.p[0] - j.pu[0] * j.p[1]) / det;
         const double step = fmax(fabs(ds), fabs(dt)), out = outside(p->triangle, *s + ds, *t + dt);
-        if (out > (p->triangle ? 0.8 : 0.4) * step + 0x1p-40) return NO_ROOT; /* two sides' errors add up in s + t */
+        const double size = fmax(fabs(j.pu[0]) + fabs(j.pu[1]), fabs(j.pv[0]) + fabs(j.pv[1]));
+        const double slack = (p->triangle ? 2 : 1) * size * p->noise / fabs(det) + 0x1p-24;
+        if (out > (p->triangle ? 0.8 : 0.4) * step + slack) return NO_ROOT; /* two sides' errors add up in s + t */
         *s += ds;
         *t += dt;
         clamp(p->triangle, s, t);
         /* what is left is of the order of the square */
-        if (step <= 0x1p-24) return out <= 0x1p-24 ? ROOT : NO_ROOT;
+        if (step <= slack) return out <= slack ? ROOT : NO_ROOT;
     }
     return UNDECIDED;
 }

@@ -309,6 +309,42 @@ static void curves_cross_knots_without_a_gap(void **state)
     for (int side = 0; side < 2; ++side) free_scene(&half[side]);
 }
 
+/* A sphere of one surface, whose poles are whole sides: rays from inside that are aimed at a pole, or past it by less
+ * than floats can tell. */
+static void poles_have_no_hole(void **state)
+{
+    (void)state;
+    const double w = sqrt(0.5), circle[9][3] = {{1, 0, 1},   {1, 1, w},  {0, 1, 1},  {-1, 1, w}, {-1, 0, 1},
+                                                {-1, -1, w}, {0, -1, 1}, {1, -1, w}, {1, 0, 1}};
+    const double half[5][3] = {{0, -1, 1}, {1, -1, w}, {1, 0, 1}, {1, 1, w}, {0, 1, 1}}, centre[3] = {0.25, 0.5, -1};
+    static surface s = {.degree = {2, 2},
+                        .count = {9, 5},
+                        .knot_count = {12, 8},
+                        .knots = {{0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4}, {0, 0, 0, 1, 1, 2, 2, 2}}};
+    for (int j = 0; j < 5; ++j)
+        for (int i = 0; i < 9; ++i) {
+            double *p = s.points[9 * j + i];
+            for (int c = 0; c < 2; ++c) p[c] = centre[c] + half[j][0] * circle[i][c];
+            p[2] = centre[2] + half[j][1];
+            p[3] = half[j][2] * circle[i][2];
+        }
+    test_scene scene = scene_of_surface(&s, NULL, false);
+    for (unsigned k = 0; k < 6000 / TEST_STEP; ++k) {
+        rng r = rng_split(6, 6, k);
+        double from[3], past[3];
+        float org[3], dir[3];
+        rng_direction(&r, from);
+        rng_direction(&r, past);
+        const double size = rng_scale(&r, 1e-10, 1e-5), pole = rng_sign(&r);
+        for (int c = 0; c < 3; ++c) {
+            org[c] = (float)(centre[c] + 0.8 * rng_unit(&r) * from[c]);
+            dir[c] = (float)(centre[c] + (c == 2 ? pole : 0) + size * past[c] - (double)org[c]);
+        }
+        CHECK(trace_one(scene.scene, org, dir, 0, INFINITY).t < (double)INFINITY, "%s", ray_text(org, dir));
+    }
+    free_scene(&scene);
+}
+
 static void wrong_surfaces_are_refused(void **state)
 {
     (void)state;
@@ -383,8 +419,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_are_sums_of_basis_functions), cmocka_unit_test(patches_meet),
         cmocka_unit_test(hits_are_in_the_faces_parameters),   cmocka_unit_test(trims_are_in_the_faces_parameters),
-        cmocka_unit_test(curves_cross_knots_without_a_gap),   cmocka_unit_test(wrong_surfaces_are_refused),
-        cmocka_unit_test(every_allocation_fails_once),
+        cmocka_unit_test(curves_cross_knots_without_a_gap),   cmocka_unit_test(poles_have_no_hole),
+        cmocka_unit_test(wrong_surfaces_are_refused),         cmocka_unit_test(every_allocation_fails_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

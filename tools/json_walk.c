@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool vwrong(const json_reader *r, const json_node *n, bool at_key, const char *format, va_list list)

@@ -150,16 +150,16 @@ const obj_free_statement *obj_find_free(obj_word name)
 static bool stands_right(const obj_free *f, obj_role role)
 {
     const obj_word name = f->text->statement;
-    const place at = obj_place(f->text, name.at);
-    if (role == OUTSIDE && f->open) {
+    const bool inside = f->open != OBJ_NONE, fits = role != SURFACE_BODY || f->open != OBJ_CURVE2;
+    if (role == ANYWHERE || (role == OUTSIDE ? !inside : inside && fits)) return true;
+    const place at = obj_place(f->text, name.at); /* which takes a walk through the text */
+    if (role == OUTSIDE) {
         report(at, "'%.*s' comes before the 'end' of the '%.*s' above", OBJ_SHOWN(name), OBJ_SHOWN(f->opened));
         return false;
     }
-    if (role >= BODY && !f->open)
-        return report(at, "'%.*s' stands outside of a curve or surface", OBJ_SHOWN(name)), false;
-    if (role == SURFACE_BODY && f->open == OBJ_CURVE2)
-        return report(at, "'%.*s' stands in a curve, not in a surface", OBJ_SHOWN(name)), false;
-    return true;
+    if (!inside) report(at, "'%.*s' stands outside of a curve or surface", OBJ_SHOWN(name));
+    else report(at, "'%.*s' stands in a curve, not in a surface", OBJ_SHOWN(name));
+    return false;
 }
 
 bool obj_read_free(obj_free *f, const obj_free_statement *s)
