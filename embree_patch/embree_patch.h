@@ -276,8 +276,8 @@ EP_API const char *epGetGeometryMessage(EPGeometry geometry);
 /* A point on patch or face `primID` at its parameters u, v, in double precision, straight from the control points as
  * they were given. Any of the outputs may be NULL. First derivatives: dPdu, dPdv; second: d2[0..2] = d²P/du²,
  * d2[3..5] = d²P/dudv, d2[6..8] = d²P/dv². Parameters outside the domain are evaluated, not clamped; of a face, by
- * the patch that is nearest. Needs no commit. Takes time in proportion to the face's patches. EP_INVALID: no such
- * patch. */
+ * the patch that is nearest. Needs no commit. Takes time in proportion to the face's patches, unless they are in rows as
+ * those of a NURBS surface. EP_INVALID: no such patch. */
 EP_API EPStatus epEvaluate(EPGeometry geometry, uint32_t primID, double u, double v, double P[3], double dPdu[3],
                            double dPdv[3], double d2[9]);
 

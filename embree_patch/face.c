@@ -14,13 +14,13 @@ static double determinant(const double m[6])
 bool ep_faces_reserve(ep_faces *f, size_t count)
 {
     return ep_reserve((void **)&f->places, &f->place_capacity, f->place_count, count, sizeof *f->places) &&
-           ep_reserve((void **)&f->first, &f->first_capacity, f->count, count, sizeof *f->first);
+           ep_reserve((void **)&f->faces, &f->capacity, f->count, count, sizeof *f->faces);
 }
 
 void ep_faces_add(ep_faces *f, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
-        f->first[f->count] = f->place_count;
+        f->faces[f->count] = (ep_face){f->place_count, 1};
         f->places[f->place_count++] = (ep_place){{1, 0, 0, 1, 0, 0}, 1, (uint32_t)f->count++};
     }
 }
@@ -28,7 +28,7 @@ void ep_faces_add(ep_faces *f, size_t count)
 bool ep_faces_shrink(ep_faces *f)
 {
     return ep_shrink((void **)&f->places, &f->place_capacity, f->place_count, sizeof *f->places) &&
-           ep_shrink((void **)&f->first, &f->first_capacity, f->count, sizeof *f->first);
+           ep_shrink((void **)&f->faces, &f->capacity, f->count, sizeof *f->faces);
 }
 
 bool ep_faces_begin(ep_faces *f, size_t patches)
@@ -56,7 +56,7 @@ const char *ep_faces_problem(const ep_faces *f, size_t patches, size_t first, si
     if (first > patches || count != patches - first) return "only the last patches can be joined";
     bool single = !ep_faces_exist(f) || count <= f->count;
     for (size_t i = 0; ep_faces_exist(f) && single && i < count; ++i)
-        single = f->first[f->count - count + i] == first + i;
+        single = f->faces[f->count - count + i].first == first + i;
     if (!single) return "one of them belongs to another face";
     if (count && !transforms) return "no transforms";
     for (size_t i = 0; i < count; ++i)
@@ -64,12 +64,28 @@ const char *ep_faces_problem(const ep_faces *f, size_t patches, size_t first, si
     return NULL;
 }
 
+/* Rows as ep_face has them, or 0. */
+static size_t find_columns(const ep_place *p, size_t count)
+{
+    size_t columns = 1;
+    while (columns < count && p[columns].map[5] == p[0].map[5]) ++columns;
+    if (count % columns) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double *m = p[i].map, *left = i % columns ? p[i - 1].map : NULL,
+                     *below = i < columns ? NULL : p[i - columns].map;
+        if (m[1] != 0 || m[2] != 0 || !(m[0] > 0) || !(m[3] > 0)) return 0;
+        if (left && !(left[4] < m[4] && left[5] == m[5] && left[3] == m[3])) return 0;
+        if (below && !(below[5] < m[5] && below[4] == m[4] && below[0] == m[0])) return 0;
+    }
+    return columns;
+}
+
 bool ep_faces_join(ep_faces *f, size_t patches, size_t first, size_t count, const double (*transforms)[6])
 {
     if (!ep_faces_begin(f, patches)) return false;
     if (!count) {
         if (!ep_faces_reserve(f, 1)) return false;
-        f->first[f->count++] = f->place_count;
+        f->faces[f->count++] = (ep_face){f->place_count, 0};
         return true;
     }
     f->count -= count - 1;
@@ -79,6 +95,7 @@ bool ep_faces_join(ep_faces *f, size_t patches, size_t first, size_t count, cons
         p->scale = 1 / determinant(p->map);
         p->face = (uint32_t)f->count - 1;
     }
+    f->faces[f->count - 1].columns = find_columns(&f->places[first], count);
     return true;
 }
 
@@ -87,8 +104,31 @@ void ep_faces_patches(const ep_faces *f, uint32_t face, size_t *first, size_t *e
     *first = face;
     *end = (size_t)face + 1;
     if (!ep_faces_exist(f)) return;
-    *first = f->first[face];
-    *end = *end < f->count ? f->first[face + 1] : f->place_count;
+    *first = f->faces[face].first;
+    *end = *end < f->count ? f->faces[face + 1].first : f->place_count;
+}
+
+/* The last of `count` places, `stride` apart, that begins no later than x; the first if none does. `axis`: 4 for u, 5
+ * for v. */
+static size_t last_before(const ep_place *p, size_t count, size_t stride, int axis, double x)
+{
+    size_t low = 0;
+    for (size_t high = count; high - low > 1;) {
+        const size_t middle = low + (high - low) / 2;
+        if (p[middle * stride].map[axis] <= x) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+size_t ep_faces_at(const ep_faces *f, uint32_t face, double u, double v)
+{
+    size_t first, end;
+    ep_faces_patches(f, face, &first, &end);
+    const size_t columns = f->faces[face].columns;
+    if (!columns) return SIZE_MAX;
+    const size_t row = last_before(&f->places[first], (end - first) / columns, columns, 5, v);
+    return first + row * columns + last_before(&f->places[first], columns, 1, 4, u);
 }
 
 void ep_place_inverse(const ep_place *p, double u, double v, double *s, double *t)
@@ -137,12 +177,12 @@ void ep_place_derivatives(const ep_place *p, ep_frame *f)
 
 size_t ep_faces_bytes(const ep_faces *f)
 {
-    return f->place_capacity * sizeof *f->places + f->first_capacity * sizeof *f->first;
+    return f->place_capacity * sizeof *f->places + f->capacity * sizeof *f->faces;
 }
 
 void ep_faces_free(ep_faces *f)
 {
     ep_free(f->places);
-    ep_free(f->first);
+    ep_free(f->faces);
     *f = (ep_faces){0};
 }

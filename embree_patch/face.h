@@ -16,11 +16,17 @@ typedef struct ep_place {
     uint32_t face;
 } ep_place;
 
+/* The patches of a face begin at `first`. Where they are rectangles in rows, u growing along each row and v from one to
+ * the next, as the spans of a NURBS surface do, each row has `columns` of them; else 0. */
+typedef struct ep_face {
+    size_t first, columns;
+} ep_face;
+
 /* Of all patches; without arrays until some are joined, each patch being a face by itself. */
 typedef struct ep_faces {
     ep_place *places; /* of each patch           */
-    size_t *first;    /* of each face, its first patch */
-    size_t count, place_count, place_capacity, first_capacity;
+    ep_face *faces;
+    size_t count, place_count, place_capacity, capacity;
 } ep_faces;
 
 /* Are any joined? */
@@ -46,6 +52,9 @@ bool ep_faces_join(ep_faces *f, size_t patches, size_t first, size_t count, cons
 
 /* The patches of a face that exists: *first up to, not including, *end. */
 void ep_faces_patches(const ep_faces *f, uint32_t face, size_t *first, size_t *end);
+
+/* The patch that has (u, v), or the nearest, where they are in rows; SIZE_MAX where they are not. */
+size_t ep_faces_at(const ep_faces *f, uint32_t face, double u, double v);
 
 /* The (s, t) of a patch where its face has (u, v), and back. */
 void ep_place_inverse(const ep_place *p, double u, double v, double *s, double *t);

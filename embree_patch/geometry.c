@@ -214,23 +214,30 @@ static ep_frame evaluate(EPGeometry g, size_t patch, double s, double t)
     return ep_project(&jet);
 }
 
-/* By the patch whose part of the plane (u, v) is in or, in units of the patch, the least outside of. */
-static ep_frame evaluate_face(EPGeometry g, uint32_t face, double u, double v)
+/* The patch whose part of the plane (u, v) is in or, in units of the patch, the least outside of. */
+static size_t nearest_patch(EPGeometry g, uint32_t face, double u, double v)
 {
-    size_t i, end, best = 0;
-    double least = INFINITY, at[2] = {0, 0};
+    size_t best = ep_faces_at(&g->faces, face, u, v);
+    if (best != SIZE_MAX) return best;
+    size_t i, end;
+    double least = INFINITY;
     for (ep_faces_patches(&g->faces, face, &i, &end); i < end && least > 0; ++i) {
         double s, t;
         ep_place_inverse(&g->faces.places[i], u, v, &s, &t);
         const double far = g->added[i].kind == EP_KIND_TRIANGLE ? s + t : fmax(s, t);
         const double out = fmax(fmax(fmax(-s, -t), far - 1), 0);
-        if (out >= least) continue;
-        least = out;
-        best = i;
-        at[0] = s, at[1] = t;
+        if (out < least) least = out, best = i;
     }
-    ep_frame f = evaluate(g, best, at[0], at[1]);
-    ep_place_derivatives(&g->faces.places[best], &f);
+    return best;
+}
+
+static ep_frame evaluate_face(EPGeometry g, uint32_t face, double u, double v)
+{
+    const size_t i = nearest_patch(g, face, u, v);
+    double s, t;
+    ep_place_inverse(&g->faces.places[i], u, v, &s, &t);
+    ep_frame f = evaluate(g, i, s, t);
+    ep_place_derivatives(&g->faces.places[i], &f);
     return f;
 }
 
