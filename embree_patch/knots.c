@@ -16,7 +16,8 @@ EPStatus ep_knots_check(unsigned degree, size_t knot_count, const double *knots,
         return ep_fail(m, EP_BAD_DATA, "%zu points of degree %u go with %zu knots, not %zu", count, degree,
                        count + degree + 1, knot_count);
     for (size_t i = 0; i < knot_count; ++i) {
-        if (!(fabs(knots[i]) < 0x1p1000)) return ep_fail(m, EP_BAD_DATA, "knot %zu is %g", i + 1, knots[i]);
+        if (!(fabs(knots[i]) < 0x1p1000))
+            return ep_fail(m, EP_BAD_DATA, "knot %zu is %g, not a number below 1e301", i + 1, knots[i]);
         if (i && knots[i] < knots[i - 1])
             return ep_fail(m, EP_BAD_DATA, "knot %zu is %g, below the one before it, %g", i + 1, knots[i],
                            knots[i - 1]);

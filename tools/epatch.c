@@ -31,7 +31,8 @@ static const command commands[] = {
 static int help(void)
 {
     puts("usage: epatch COMMAND SCENE [options]\n\n"
-         "Ray traces curved patches exactly. SCENE is a scene (.json) or a model file.\n");
+         "Ray traces curved patches exactly. SCENE is a scene (.json) or a model file\n"
+         "(.bpt, .obj, .step, .stp, .iges, .igs, .brep).\n");
     for (size_t i = 0; i < ARG_COUNT(commands); ++i) printf("  %-8s %s\n", commands[i].name, commands[i].help);
     puts("\nepatch COMMAND --help tells the rest.");
     return 0;

@@ -14,6 +14,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct faces {
     const char *path;
@@ -74,13 +75,17 @@ static bool read_faces(const char *path, cad_format format, scene_geometry *g)
 {
     FILE *file = fopen(path, "rb");
     if (!file) return report_file(path, "cannot open: %s", strerror(errno)), false;
-    const bool is_readable = fgetc(file) != EOF || !ferror(file);
-    if (!is_readable) report_file(path, "cannot read: %s", strerror(errno));
+    struct stat st;
+    const bool is_regular = !fstat(fileno(file), &st) && (S_ISREG(st.st_mode) || S_ISDIR(st.st_mode));
+    const bool is_readable = is_regular && (fgetc(file) != EOF || !ferror(file));
+    if (!is_regular) report_file(path, "CAD files are read more than once, so not from a pipe or a device");
+    else if (!is_readable) report_file(path, "cannot read: %s", strerror(errno));
     fclose(file);
     if (!is_readable) return false;
 
     faces to = {.path = path, .g = g};
     const char *problem = cad_read(path, format, take, &to);
+    if (!problem && !to.no_memory && !g->patch_count) problem = "no face of it can be traced";
     if (problem) report_file(path, "%s", problem);
     else if (to.no_memory) report_no_memory(path);
     return !problem && !to.no_memory;

@@ -56,7 +56,8 @@ bool model_read(const char *path, const model_options *o, scene_geometry *g)
     struct stat st;
     if (stat(path, &st)) return report_file(path, "cannot open: %s", strerror(errno)), false;
     if (S_ISDIR(st.st_mode)) return report_file(path, "cannot read: %s", strerror(EISDIR)), false;
-    return report_file(path, "'%s' is no kind of file that is known here; try .json, .bpt, .obj or .step",
+    if (!strcasecmp(extension(path), ".json")) return report_file(path, "a scene cannot be a part of a scene"), false;
+    return report_file(path, "'%s' is no kind of file that is known here; try .json, .bpt, .obj, .step, .iges or .brep",
                        extension(path)),
            false;
 }

@@ -14,6 +14,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -63,6 +66,15 @@ static bool put_face(void *user, uint32_t index, uint32_t total, const cad_face 
 }
 
 typedef const char *(*reader)(const char *path, cad_format format, cad_taker take, void *user);
+
+/* Nobody else would end it where it hangs. */
+static void die_with_parent(pid_t parent)
+{
+#ifdef __linux__
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+    if (getppid() != parent) _exit(1);
+}
 
 static void serve(reader read, const char *path, cad_format format, int pipe)
 {
@@ -150,8 +162,9 @@ const char *cad_read(const char *path, cad_format format, cad_taker take, void *
     const reader read = (reader)module_function(&module, "epatch_cad.so", "cad_read");
     int ends[2];
     if (pipe(ends)) return strerror(errno);
-    const pid_t child = fork();
+    const pid_t parent = getpid(), child = fork();
     if (child == 0) {
+        die_with_parent(parent);
         close(ends[0]);
         serve(read, path, format, ends[1]);
     }
