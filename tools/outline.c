@@ -10,9 +10,42 @@
 #define OUTLINE_POINTS 200000
 #define OUTLINE_GRID 6
 
+/* Added where less is left of an object than one patch has: what a trim keeps may be small. */
+#define BOX_CORNERS 8
+
 static void transform(const double m[12], const double p[3], double r[3])
 {
     for (int x = 0; x < 3; ++x) r[x] = m[x] * p[0] + m[3 + x] * p[1] + m[6 + x] * p[2] + m[9 + x];
+}
+
+/* Points of a chart that its trim keeps. Returns their number. */
+static size_t add_chart(const world *w, const scene_object *o, const chart *c, double (*points)[3])
+{
+    const EPRegion trim = w->scene->geometries[o->geometry].patches[c->first].trim;
+    size_t count = 0;
+    for (int sample = 0; sample < OUTLINE_GRID * OUTLINE_GRID; ++sample) {
+        double u = (sample % OUTLINE_GRID) / (OUTLINE_GRID - 1.0), p[3];
+        double v = (sample / OUTLINE_GRID) / (OUTLINE_GRID - 1.0);
+        if (c->kind == PATCH_TRIANGLE) v *= 1 - u;
+        chart_place(c, u, v, &u, &v);
+        if (trim && !epIsInRegion(trim, u, v)) continue;
+        if (epEvaluate(w->geometries[o->geometry], c->face, u, v, p, NULL, NULL, NULL) == EP_OK)
+            transform(o->transform, p, points[count++]);
+    }
+    return count;
+}
+
+/* The corners of the box of an object, of which nothing is outside that is trimmed away. */
+static size_t add_corners(const world *w, const scene_object *o, double (*points)[3])
+{
+    float b[6];
+    epGetGeometryBounds(w->geometries[o->geometry], b);
+    if (!(b[0] <= b[3])) return 0;
+    for (unsigned k = 0; k < BOX_CORNERS; ++k) {
+        const double p[3] = {(double)b[k & 1 ? 3 : 0], (double)b[k & 2 ? 4 : 1], (double)b[k & 4 ? 5 : 2]};
+        transform(o->transform, p, points[k]);
+    }
+    return BOX_CORNERS;
 }
 
 double (*outline_new(const world *w, size_t *count))[3]
@@ -20,22 +53,18 @@ double (*outline_new(const world *w, size_t *count))[3]
     const scene *s = w->scene;
     size_t charts = 0;
     for (size_t i = 0; i < s->object_count; ++i) charts += chart_count(&s->geometries[s->objects[i].geometry]);
-    size_t step = 1 + OUTLINE_GRID * OUTLINE_GRID * charts / OUTLINE_POINTS;
-    double(*points)[3] = malloc(sizeof *points * (OUTLINE_GRID * OUTLINE_GRID * (charts / step + s->object_count) + 1));
+    const size_t each = OUTLINE_GRID * OUTLINE_GRID, step = 1 + each * charts / OUTLINE_POINTS;
+    double(*points)[3] = malloc(sizeof *points * (each * (charts / step) + (each + BOX_CORNERS) * s->object_count + 1));
     *count = 0;
     for (size_t i = 0; points && i < s->object_count; ++i) {
         const scene_object *o = &s->objects[i];
         const scene_geometry *g = &s->geometries[o->geometry];
-        for (size_t k = 0; k < chart_count(g); k += step)
-            for (int sample = 0; sample < OUTLINE_GRID * OUTLINE_GRID; ++sample) {
-                const chart c = chart_at(g, k);
-                double u = (sample % OUTLINE_GRID) / (OUTLINE_GRID - 1.0), p[3];
-                double v = (sample / OUTLINE_GRID) / (OUTLINE_GRID - 1.0);
-                if (c.kind == PATCH_TRIANGLE) v *= 1 - u;
-                chart_place(&c, u, v, &u, &v);
-                if (epEvaluate(w->geometries[o->geometry], c.face, u, v, p, NULL, NULL, NULL) == EP_OK)
-                    transform(o->transform, p, points[(*count)++]);
-            }
+        const size_t before = *count;
+        for (size_t k = 0; k < chart_count(g); k += step) {
+            const chart c = chart_at(g, k);
+            *count += add_chart(w, o, &c, points + *count);
+        }
+        if (*count - before < each) *count += add_corners(w, o, points + *count);
     }
     return points;
 }
