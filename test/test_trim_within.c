@@ -120,6 +120,22 @@ static void parts_share_the_curves(void **state)
     CHECK(curves <= 2 * CURVES + 6 * PARTS * PARTS, "%zu", curves);
 }
 
+/* A region that is as deep as can be stays so. */
+static void depth_stays(void **state)
+{
+    (void)state;
+    const double to_part[6] = {2, 0, 0, 2, -0.5, -0.5};
+    ep_message m;
+    ep_region *r = ep_region_new(), *within;
+    for (int k = 0; k < EP_REGION_DEPTH - 1; ++k)
+        assert_int_equal(ep_region_begin(r, EP_REGION_UNION, NULL, &m), EP_OK);
+    assert_int_equal(ep_region_circle(r, (const double[6]){0.3, 0, 0, 0.3, 0.5, 0.5}, &m), EP_OK);
+    for (int k = 0; k < EP_REGION_DEPTH - 1; ++k) assert_int_equal(ep_region_end(r, &m), EP_OK);
+    CHECK(ep_region_within(r, to_part, false, &within, &m) == EP_OK, "%s", m.text);
+    ep_region_free(within);
+    ep_region_free(r);
+}
+
 static void every_allocation_fails_once(void **state)
 {
     (void)state;
@@ -142,9 +158,8 @@ static void every_allocation_fails_once(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(points_stay_on_their_side),
-        cmocka_unit_test(borders_may_be_borders),
-        cmocka_unit_test(parts_share_the_curves),
+        cmocka_unit_test(points_stay_on_their_side),   cmocka_unit_test(borders_may_be_borders),
+        cmocka_unit_test(parts_share_the_curves),      cmocka_unit_test(depth_stays),
         cmocka_unit_test(every_allocation_fails_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -92,34 +92,42 @@ static bool follows(const ep_region_curve *before, const ep_region_curve *c)
     return before->end[1][0] == c->end[0][0] && before->end[1][1] == c->end[0][1];
 }
 
-/* The curves from c on that each begin where the one before ends. Returns the first that does not. */
-static const ep_region_curve *write_polygon(writer *w, const ep_region_curve *c, const ep_region_curve *end,
-                                            EPStatus *s)
+/* The first curve from c on that does not begin where the one before it ends. */
+static const ep_region_curve *end_of_polygon(const ep_region_curve *c, const ep_region_curve *end)
+{
+    const ep_region_curve *before = c;
+    while (c < end && (c == before || follows(before, c))) before = c++;
+    return c;
+}
+
+static EPStatus write_polygon(writer *w, const ep_region_curve *c, const ep_region_curve *end, const double *transform)
 {
     static const ep_point2 nowhere = {0, 0};
-    *s = ep_region_begin(w->out, EP_REGION_POLYGON, NULL, w->message);
-    if (!*s && c == end) *s = write_line(w, nowhere, nowhere); /* what has no extent has no inside */
-    for (const ep_region_curve *before = NULL; !*s && c < end && (!before || follows(before, c)); before = c++)
-        *s = add_curve(w, c);
-    if (!*s) *s = write_waiting(w);
-    if (!*s) *s = ep_region_end(w->out, w->message);
-    return c;
+    EPStatus s = ep_region_begin(w->out, EP_REGION_POLYGON, transform, w->message);
+    if (!s && c == end) s = write_line(w, nowhere, nowhere); /* what has no extent has no inside */
+    for (; !s && c < end; ++c) s = add_curve(w, c);
+    if (!s) s = write_waiting(w);
+    return s ? s : ep_region_end(w->out, w->message);
+}
+
+/* As one polygon, if it is one: loops would be a level deeper. */
+static EPStatus write_contour(writer *w, const ep_region_node *n, const double *transform)
+{
+    const ep_region_curve *c = w->view.curves + n->curves, *end = c + n->curve_count, *next = end_of_polygon(c, end);
+    if (next == end) return write_polygon(w, c, end, transform);
+    EPStatus s = ep_region_begin(w->out, EP_REGION_LOOPS, transform, w->message);
+    for (; !s && c < end; c = next, next = end_of_polygon(c, end)) s = write_polygon(w, c, next, NULL);
+    return s ? s : ep_region_end(w->out, w->message);
 }
 
 /* Node i and what is below it. */
 static EPStatus write_node(writer *w, uint32_t i)
 {
     const ep_region_node *n = &w->view.nodes[i];
-    const bool contour = n->kind >= EP_REGION_LOOPS;
-    EPStatus s = ep_region_begin(w->out, contour ? EP_REGION_LOOPS : n->kind, i == 0 ? w->transform : NULL, w->message);
-    if (contour) {
-        const ep_region_curve *c = w->view.curves + n->curves, *end = c + n->curve_count;
-        do {
-            if (!s) c = write_polygon(w, c, end, &s);
-        } while (!s && c < end);
-    } else {
-        for (uint32_t child = i + 1; !s && child < n->next; child = w->view.nodes[child].next) s = write_node(w, child);
-    }
+    const double *transform = i == 0 ? w->transform : NULL;
+    if (n->kind >= EP_REGION_LOOPS) return write_contour(w, n, transform);
+    EPStatus s = ep_region_begin(w->out, n->kind, transform, w->message);
+    for (uint32_t child = i + 1; !s && child < n->next; child = w->view.nodes[child].next) s = write_node(w, child);
     return s ? s : ep_region_end(w->out, w->message);
 }
 
