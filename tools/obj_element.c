@@ -106,15 +106,17 @@ bool obj_parameters(obj_free *f)
 static bool count_points(const obj_free *f, const obj_basis basis[2], obj_net *n)
 {
     const int axes = f->open == OBJ_SURFACE ? 2 : 1;
-    const place at = obj_place(f->text, f->opened.at);
     n->count[1] = 1;
     for (int i = 0; i < axes; ++i) {
         n->count[i] = obj_points_of(&basis[i], f->parameters[i].count);
-        if (!n->count[i])
-            return report(at, "%zu values of 'parm %c' are too few", f->parameters[i].count, "uv"[i]), false;
+        if (n->count[i]) continue;
+        report(obj_place(f->text, f->opened.at), "%zu values of 'parm %c' are too few", f->parameters[i].count,
+               "uv"[i]);
+        return false;
     }
     const size_t have = f->points.count / 4;
     if (have / n->count[0] == n->count[1] && !(have % n->count[0])) return true;
+    const place at = obj_place(f->text, f->opened.at);
     if (axes == 1) report(at, "these parameters go with %zu points, not %zu", n->count[0], have);
     else report(at, "these parameters go with %zu x %zu points, not %zu", n->count[0], n->count[1], have);
     return false;
