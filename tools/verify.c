@@ -150,7 +150,7 @@ static double finest_of(const scene_geometry *g, size_t patch, const world_hit *
     if (!g->places) return 0;
     const double *m = g->places[patch], det = fabs(m[0] * m[3] - m[1] * m[2]);
     const double inverse = fmax(fabs(m[0]) + fabs(m[1]), fabs(m[2]) + fabs(m[3])) / det;
-    return 0x1p-23 * inverse * fmax(fmax(fabs((double)hit->u), fabs((double)hit->v)), 1);
+    return 0x1p-23 * inverse * fmax(fabs((double)hit->u), fabs((double)hit->v));
 }
 
 static judge_verdict judge_hit(const bench *b, const trace_ray *ray, const world_hit *hit, judge_errors *errors)

@@ -115,7 +115,6 @@ void cut(net &n, int direction, range &r)
 arcs::arcs(range r) : whole(r)
 {
     constexpr double right = 1.5707963267948966;
-    if (!(r.size() > 0)) throw unusable("it has no area in its parameters");
     if (r.size() > 8.001 * right) throw unusable("it goes round more than twice");
     count = std::max(1, (int)std::ceil(r.size() / right - near));
     step = r.size() / count;
@@ -193,7 +192,6 @@ net ellipse(const arcs &angles, const double origin[3], const double x[3], const
 
 net line(const double origin[3], const double direction[3], range r)
 {
-    if (!(r.size() > 0)) throw unusable("it has no area in its parameters");
     net n;
     n.degree[0] = 1;
     n.knots[0] = {r.low, r.low, r.high, r.high};

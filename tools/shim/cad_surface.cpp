@@ -172,7 +172,6 @@ surface sweep(const Handle(Geom_SurfaceOfLinearExtrusion) & of, const range box[
     surface s;
     s.box[0] = box[0];
     s.box[1] = box[1];
-    if (!(box[1].size() > 0)) throw unusable("it has no area in its parameters");
     const net curve = convert_curve(of->BasisCurve(), s.box[0], s.angles[0]);
     s.patches = extrude(curve, vector(of->Direction().XYZ()), box[1]);
     return s;
@@ -183,7 +182,6 @@ surface plane(const gp_Ax3 &at, const range box[2])
     surface s;
     s.box[0] = box[0];
     s.box[1] = box[1];
-    if (!(box[1].size() > 0)) throw unusable("it has no area in its parameters");
     const net side = line(vector(at.Location().XYZ()), vector(at.XDirection().XYZ()), box[0]);
     s.patches = extrude(side, vector(at.YDirection().XYZ()), box[1]);
     return s;
@@ -209,16 +207,18 @@ surface spline(const Handle(Geom_BSplineSurface) & b, const range box[2])
     return s;
 }
 
-/* Is b the same surface, with the same parameters? */
+/* Is b the same surface, with the same parameters, as well as its coordinates tell? */
 bool is_same(const Handle(Geom_Surface) & a, const Handle(Geom_Surface) & b, const range box[2])
 {
+    double apart = 0, size = 0;
     for (int i = 0; i < 9; ++i) {
         const double u = box[0].low + (i % 3 + 0.5) / 3 * box[0].size(),
                      v = box[1].low + (i / 3 + 0.5) / 3 * box[1].size();
         const gp_Pnt p = a->Value(u, v);
-        if (p.Distance(b->Value(u, v)) > 1e-12 * (1 + p.XYZ().Modulus())) return false;
+        apart = std::max(apart, p.Distance(b->Value(u, v)));
+        size = std::max(size, p.XYZ().Modulus());
     }
-    return true;
+    return apart <= 1e-12 * size;
 }
 
 surface offset(const Handle(Geom_OffsetSurface) & o, const range box[2])
@@ -244,6 +244,8 @@ Handle(Geom_Surface) untrimmed(const Handle(Geom_Surface) & s)
 surface convert(const Handle(Geom_Surface) & of, const range box[2])
 {
     const Handle(Geom_Surface) s = untrimmed(of);
+    for (int d = 0; d < 2; ++d)
+        if (!(box[d].size() > 0)) throw unusable("it has no area in its parameters");
     if (const auto p = Handle(Geom_Plane)::DownCast(s)) return plane(p->Position(), box);
     if (const auto b = Handle(Geom_BSplineSurface)::DownCast(s)) return spline(b, box);
     if (const auto b = Handle(Geom_BezierSurface)::DownCast(s))
