@@ -19,7 +19,7 @@ typedef struct filling {
     const cage *cage;
     scene_geometry *g;
     cage_patch *patches; /* of the chart that is being read */
-    size_t count, capacity, place_capacity, chart_capacity;
+    size_t count, capacity;
     const char *problem;
 } filling;
 
@@ -39,11 +39,8 @@ static const char *add_patch(scene_geometry *g, const chart *at, const cage_patc
 {
     const unsigned degree = at->kind == PATCH_TRIANGLE ? 4 : 3;
     double *points = geometry_add_patch(g, at->kind, degree, degree);
-    if (!points) return "out of memory";
-    double *place = g->places[g->patch_count - 1];
-    memcpy(place, p->place, sizeof p->place);
-    place[4] += at->u0;
-    place[5] += at->v0;
+    const double *m = p->place, place[6] = {m[0], m[1], m[2], m[3], m[4] + at->u0, m[5] + at->v0};
+    if (!points || !geometry_place_patch(g, place)) return "out of memory";
     const char *problem = NULL;
     for (size_t i = 0; i < patch_point_count(at->kind, degree, degree) && !problem; ++i, points += 4) {
         memcpy(points, p->points[i], sizeof p->points[i]);
@@ -79,10 +76,7 @@ static void add_chart(filling *f)
     qsort(f->patches, f->count, sizeof *f->patches, compare_areas);
     here.first = g->patch_count;
     here.count = f->count;
-    if (array_grow((void **)&g->places, &f->place_capacity, g->patch_count, f->count, sizeof *g->places) &&
-        array_grow((void **)&g->charts, &f->chart_capacity, g->chart_count, 1, sizeof *g->charts))
-        g->charts[g->chart_count++] = here;
-    else f->problem = "out of memory";
+    if (!geometry_add_chart(g, &here)) f->problem = "out of memory";
     for (size_t i = 0; i < f->count && !f->problem; ++i) f->problem = add_patch(g, &here, &f->patches[i]);
     f->count = 0;
 }

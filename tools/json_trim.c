@@ -58,10 +58,7 @@ static double *read_points(const json_reader *r, const json_node *n, bool weight
 static bool keep_segment(const json_reader *r, trim_shape *polygon, segment_kind kind, unsigned degree, size_t count,
                          const double *points, size_t each, const double *knots)
 {
-    trim_segment *g = segment_new(kind, degree, count);
-    for (size_t i = 0; g && i < count; ++i) memcpy(g->points[i], points + each * i, each * sizeof *points);
-    if (g && knots) memcpy(g->knots, knots, (count + degree + 1) * sizeof *knots);
-    return shape_add_segment(polygon, g) || json_no_memory(r);
+    return shape_add_points(polygon, kind, degree, knots, count, points, each) || json_no_memory(r);
 }
 
 static bool read_line(const json_reader *r, const json_node *n, EPRegion region, trim_shape *polygon)

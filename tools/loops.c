@@ -5,8 +5,6 @@
 #include "test/oracle/trim_reference.h"
 #include "tools/model.h"
 
-#include <string.h>
-
 static const char out_of_memory[] = "out of memory";
 
 static const char *check(loops *l, EPStatus status)
@@ -28,27 +26,19 @@ const char *loops_begin_loop(loops *l)
     return check(l, epBeginRegion(l->region, EP_POLYGON, NULL));
 }
 
-/* The segment for the reference, `each` doubles a point. */
-static const char *keep(loops *l, segment_kind kind, unsigned degree, const double *knots, size_t count,
-                        const double *points, size_t each)
-{
-    trim_segment *s = segment_new(kind, degree, count);
-    for (size_t i = 0; s && i < count; ++i) memcpy(s->points[i], points + each * i, each * sizeof *points);
-    if (s && knots) memcpy(s->knots, knots, (count + degree + 1) * sizeof *knots);
-    return shape_add_segment(l->polygon, s) ? NULL : out_of_memory;
-}
-
 const char *loops_add_curve(loops *l, unsigned degree, size_t knot_count, const double *knots, size_t count,
                             const double (*points)[3])
 {
     const char *problem = check(l, epAddRegionNURBS(l->region, degree, knot_count, knots, count, points[0]));
-    return problem ? problem : keep(l, SEGMENT_NURBS, degree, knots, count, points[0], 3);
+    if (problem) return problem;
+    return shape_add_points(l->polygon, SEGMENT_NURBS, degree, knots, count, points[0], 3) ? NULL : out_of_memory;
 }
 
 const char *loops_add_lines(loops *l, size_t count, const double (*points)[2])
 {
     const char *problem = check(l, epAddRegionLine(l->region, count, points[0]));
-    return problem ? problem : keep(l, SEGMENT_LINE, 1, NULL, count, points[0], 2);
+    if (problem) return problem;
+    return shape_add_points(l->polygon, SEGMENT_LINE, 1, NULL, count, points[0], 2) ? NULL : out_of_memory;
 }
 
 const char *loops_end_loop(loops *l)

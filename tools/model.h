@@ -42,8 +42,10 @@ bool cage_to_geometry(const char *path, cage *c, scene_geometry *g);
 double *geometry_add_patch(scene_geometry *g, patch_kind kind, unsigned degree_u, unsigned degree_v);
 /* ... and with room for points of none. */
 double *geometry_add_points(scene_geometry *g, size_t count);
-/* Appends a chart and the places of its patches, which are the last ones. False without memory. */
-bool geometry_add_chart(scene_geometry *g, const chart *at, const double (*places)[6]);
+/* Where the patch that was added last lies in its face; all patches have a place, or none has. False without memory. */
+bool geometry_place_patch(scene_geometry *g, const double place[6]);
+/* Appends a chart. False without memory. */
+bool geometry_add_chart(scene_geometry *g, const chart *at);
 /* The geometry takes the shape of a trim over. False without memory. */
 bool geometry_add_shape(scene_geometry *g, struct trim_shape *shape);
 /* Frees all that a geometry holds; what a copy shares is the original's. */

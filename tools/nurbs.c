@@ -21,7 +21,7 @@ static const char *check_points(const nurbs *n, ep_message *m)
     return NULL;
 }
 
-/* The homogeneous points; with weights of 1 only, polynomial ones. */
+/* The homogeneous points. Returns whether some weight is not 1. */
 static bool homogeneous(const nurbs *n, ep_point *to)
 {
     bool rational = false;
@@ -35,28 +35,26 @@ static bool homogeneous(const nurbs *n, ep_point *to)
 }
 
 /* One of the patches, `from` being its homogeneous points. */
-static bool add_patch(scene_geometry *g, uint32_t face, const nurbs *n, const ep_point *from, const double place[6],
-                      bool rational)
+static bool add_patch(scene_geometry *g, uint32_t face, const nurbs *n, const ep_point *from, const double place[6])
 {
     double *to = geometry_add_patch(g, PATCH_TENSOR, n->degree[0], n->degree[1]);
     const size_t each = patch_point_count(PATCH_TENSOR, n->degree[0], n->degree[1]);
     for (size_t i = 0; to && i < each; ++i, to += 4) {
-        const double w = rational ? from[i][3] : 1; /* rounding is no reason for weights */
-        for (int c = 0; c < 3; ++c) to[c] = from[i][c] / w;
-        to[3] = w;
+        for (int c = 0; c < 3; ++c) to[c] = from[i][c] / from[i][3];
+        to[3] = from[i][3];
     }
     const chart at = {PATCH_TENSOR, face, place[4], place[5], place[0], place[3], g->patch_count - 1, 1};
-    return to && geometry_add_chart(g, &at, (const double(*)[6])place);
+    return to && geometry_place_patch(g, place) && geometry_add_chart(g, &at);
 }
 
 const char *geometry_add_nurbs(scene_geometry *g, uint32_t face, const nurbs *n, EPRegion trim,
                                struct trim_shape *shape)
 {
     static _Thread_local ep_message why;
-    const ep_nurbs s = {{n->degree[0], n->degree[1]},
-                        {n->count[0], n->count[1]},
-                        {n->knot_count[0], n->knot_count[1]},
-                        {n->knots[0], n->knots[1]}};
+    ep_nurbs s = {.degree = {n->degree[0], n->degree[1]},
+                  .count = {n->count[0], n->count[1]},
+                  .knot_count = {n->knot_count[0], n->knot_count[1]},
+                  .knots = {n->knots[0], n->knots[1]}};
     const char *problem = ep_nurbs_check(&s, &why) == EP_OK ? check_points(n, &why) : why.text;
     if (problem) return problem;
 
@@ -66,11 +64,10 @@ const char *geometry_add_nurbs(scene_geometry *g, uint32_t face, const nurbs *n,
     double(*places)[6] = malloc(patches * sizeof *places);
     problem = net && points && places ? NULL : out_of_memory;
     if (!problem) {
-        const bool rational = homogeneous(n, net);
+        s.rational = homogeneous(n, net);
         if (ep_nurbs_split(&s, (const ep_point *)net, points, places, &why) != EP_OK) problem = why.text;
         for (size_t i = 0; i < patches && !problem; ++i)
-            if (!add_patch(g, face, n, (const ep_point *)points + i * each, places[i], rational))
-                problem = out_of_memory;
+            if (!add_patch(g, face, n, (const ep_point *)points + i * each, places[i])) problem = out_of_memory;
     }
     for (size_t i = first; i < g->patch_count && trim; ++i) {
         epRetainRegion(trim);

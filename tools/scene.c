@@ -98,12 +98,17 @@ double *geometry_add_patch(scene_geometry *g, patch_kind kind, unsigned degree_u
     return points;
 }
 
-bool geometry_add_chart(scene_geometry *g, const chart *at, const double (*places)[6])
+bool geometry_place_patch(scene_geometry *g, const double place[6])
 {
-    double(*all)[6] = grow(g->places, sizeof *all, g->patch_count - at->count, at->count);
-    if (!all) return false;
-    g->places = all;
-    memcpy(all + g->patch_count - at->count, places, at->count * sizeof *all);
+    double(*places)[6] = grow(g->places, sizeof *places, g->patch_count - 1, 1);
+    if (!places) return false;
+    g->places = places;
+    memcpy(places[g->patch_count - 1], place, sizeof *places);
+    return true;
+}
+
+bool geometry_add_chart(scene_geometry *g, const chart *at)
+{
     chart *charts = grow(g->charts, sizeof *charts, g->chart_count, 1);
     if (!charts) return false;
     g->charts = charts;

@@ -74,6 +74,15 @@ bool shape_add_segment(trim_shape *s, trim_segment *g)
     return true;
 }
 
+bool shape_add_points(trim_shape *s, segment_kind kind, unsigned degree, const double *knots, size_t count,
+                      const double *points, size_t each)
+{
+    trim_segment *g = segment_new(kind, degree, count);
+    for (size_t i = 0; g && i < count; ++i) memcpy(g->points[i], points + each * i, each * sizeof *points);
+    if (g && knots) memcpy(g->knots, knots, (count + degree + 1) * sizeof *knots);
+    return shape_add_segment(s, g);
+}
+
 /* Borders */
 
 static void apply(const double m[6], const double p[2], double out[2])

@@ -64,6 +64,10 @@ void segment_free(trim_segment *g);
 /* Takes the child or the segment over, whatever it returns; NULL is no memory, too. */
 bool shape_add(trim_shape *s, trim_shape *child);
 bool shape_add_segment(trim_shape *s, trim_segment *g);
+/* The same of a segment with these points, `each` doubles a point (without a third one, of weight 1), and of NURBS with
+ * these knots. */
+bool shape_add_points(trim_shape *s, segment_kind kind, unsigned degree, const double *knots, size_t count,
+                      const double *points, size_t each);
 
 /* Once the tree is complete. */
 bool shape_prepare(trim_shape *root);
