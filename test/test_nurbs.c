@@ -134,17 +134,21 @@ static void points_are_sums_of_basis_functions(void **state)
     }
 }
 
-/* Patches that meet at a knot have equal points there, bit for bit. */
+/* Patches that meet at a knot have equal points there, bit for bit; those of polynomial surfaces are polynomial. */
 static void patches_meet(void **state)
 {
     (void)state;
-    size_t borders = 0, gaps = 0;
+    size_t borders = 0, gaps = 0, polynomials = 0;
     for (uint64_t seed = 1; seed <= 60; ++seed) {
         rng r = rng_split(seed, 1, 0);
         static surface s;
         EPGeometry g = epNewGeometry();
         random_surface(&r, seed % 3 == 0, &s);
         assert_int_equal(add(g, &s), EP_OK);
+        bool polynomial = true;
+        for (size_t i = 0; i < s.count[0] * s.count[1]; ++i) polynomial = polynomial && s.points[i][3] == 1;
+        for (size_t i = 0; i < g->point_count && polynomial; ++i) assert_true(g->points[i][3] == 1);
+        polynomials += polynomial;
         const unsigned m = s.degree[0], n = s.degree[1];
         for (size_t i = 0; i < g->added_count; ++i)
             for (size_t k = i + 1; k < g->added_count; ++k) {
@@ -165,7 +169,7 @@ static void patches_meet(void **state)
             }
         epReleaseGeometry(g);
     }
-    CHECK(borders > 1000 && gaps > 0, "%zu, %zu", borders, gaps);
+    CHECK(borders > 1000 && gaps > 0 && polynomials > 10, "%zu, %zu, %zu", borders, gaps, polynomials);
 }
 
 /* A ray at a point of the surface, from a little above it. Returns the length of the normal that it comes along. */
