@@ -168,7 +168,7 @@ EPStatus epJoinPatches(EPGeometry g, uint32_t first, size_t count, const double 
 }
 
 /* The patches of a surface whose control points are `net`, joined to a face. */
-static EPStatus add_spans(EPGeometry g, const ep_nurbs *n, const ep_point *net)
+static EPStatus add_spans(EPGeometry g, const ep_nurbs *n, const ep_point *net, uint8_t rational)
 {
     const size_t count = ep_nurbs_patches(n), first = g->added_count;
     const size_t each = ep_kinds[EP_KIND_TENSOR].point_count(n->degree[0], n->degree[1]);
@@ -181,7 +181,7 @@ static EPStatus add_spans(EPGeometry g, const ep_nurbs *n, const ep_point *net)
     ep_point *points = g->points + g->point_count;
     if (status == EP_OK) status = ep_nurbs_split(n, net, points, places, &g->message);
     for (size_t i = 0; i < count && status == EP_OK; ++i)
-        g->added[first + i] = (ep_added){g->point_count + i * each, EP_KIND_TENSOR, m, k, n->rational, NULL, NULL};
+        g->added[first + i] = (ep_added){g->point_count + i * each, EP_KIND_TENSOR, m, k, rational, NULL, NULL};
     if (status == EP_OK) {
         append(g, count, each);
         ep_faces_join(&g->faces, g->added_count, first, count, (const double(*)[6])places);
@@ -199,10 +199,10 @@ EPStatus epAddNURBSSurface(EPGeometry g, unsigned degreeU, unsigned degreeV, siz
     if (!points || !knotsU || !knotsV) return ep_fail(&g->message, EP_INVALID, "no points, or no knots");
     if (knotCountU < degreeU + 1 || knotCountV < degreeV + 1)
         return ep_fail(&g->message, EP_INVALID, "%zu and %zu knots are too few", knotCountU, knotCountV);
-    ep_nurbs n = {.degree = {degreeU, degreeV},
-                  .count = {knotCountU - degreeU - 1, knotCountV - degreeV - 1},
-                  .knot_count = {knotCountU, knotCountV},
-                  .knots = {knotsU, knotsV}};
+    const ep_nurbs n = {.degree = {degreeU, degreeV},
+                        .count = {knotCountU - degreeU - 1, knotCountV - degreeV - 1},
+                        .knot_count = {knotCountU, knotCountV},
+                        .knots = {knotsU, knotsV}};
     status = ep_nurbs_check(&n, &g->message);
     if (status != EP_OK) return status;
 
@@ -212,8 +212,7 @@ EPStatus epAddNURBSSurface(EPGeometry g, unsigned degreeU, unsigned degreeV, siz
     uint8_t rational;
     given_points from = {format, points, stride};
     status = read_net(g, "NURBS surface", ep_face_count(g), count, &from, net, &rational);
-    n.rational = rational;
-    if (status == EP_OK) status = add_spans(g, &n, net);
+    if (status == EP_OK) status = add_spans(g, &n, net, rational);
     ep_free(net);
     return status;
 }

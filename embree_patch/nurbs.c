@@ -85,8 +85,6 @@ EPStatus ep_nurbs_split(const ep_nurbs *n, const ep_point *points, ep_point *out
         for (size_t k = 0; k < columns; ++k)
             split_row(n, 1, split + i * columns + k, width, out + i * columns * rows + k, columns,
                       spans * columns * rows);
-    for (size_t i = 0, count = n->rational ? 0 : ep_nurbs_patches(n) * columns * rows; i < count; ++i)
-        out[i][3] = 1; /* it may have been rounded */
     place_patches(n, places);
     ep_free(split);
     return EP_OK;

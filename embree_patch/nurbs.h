@@ -16,7 +16,6 @@ typedef struct ep_nurbs {
     size_t count[2];        /* of control points */
     size_t knot_count[2];   /* count + degree + 1 */
     const double *knots[2]; /* a knot may repeat degree + 1 times: the surface may be torn there */
-    bool rational;          /* else all weights are 1, and those of the patches, too */
 } ep_nurbs;
 
 /* EP_BAD_DATA: the knots are none. EP_INVALID: there are too many spans. */

@@ -21,17 +21,13 @@ static const char *check_points(const nurbs *n, ep_message *m)
     return NULL;
 }
 
-/* The homogeneous points. Returns whether some weight is not 1. */
-static bool homogeneous(const nurbs *n, ep_point *to)
+static void homogeneous(const nurbs *n, ep_point *to)
 {
-    bool rational = false;
     for (size_t i = 0; i < n->count[0] * n->count[1]; ++i) {
         const double *p = n->points[i];
         for (int c = 0; c < 3; ++c) to[i][c] = p[3] * p[c];
         to[i][3] = p[3];
-        rational = rational || p[3] != 1;
     }
-    return rational;
 }
 
 /* One of the patches, `from` being its homogeneous points. */
@@ -51,10 +47,10 @@ const char *geometry_add_nurbs(scene_geometry *g, uint32_t face, const nurbs *n,
                                struct trim_shape *shape)
 {
     static _Thread_local ep_message why;
-    ep_nurbs s = {.degree = {n->degree[0], n->degree[1]},
-                  .count = {n->count[0], n->count[1]},
-                  .knot_count = {n->knot_count[0], n->knot_count[1]},
-                  .knots = {n->knots[0], n->knots[1]}};
+    const ep_nurbs s = {.degree = {n->degree[0], n->degree[1]},
+                        .count = {n->count[0], n->count[1]},
+                        .knot_count = {n->knot_count[0], n->knot_count[1]},
+                        .knots = {n->knots[0], n->knots[1]}};
     const char *problem = ep_nurbs_check(&s, &why) == EP_OK ? check_points(n, &why) : why.text;
     if (problem) return problem;
 
@@ -64,7 +60,7 @@ const char *geometry_add_nurbs(scene_geometry *g, uint32_t face, const nurbs *n,
     double(*places)[6] = malloc(patches * sizeof *places);
     problem = net && points && places ? NULL : out_of_memory;
     if (!problem) {
-        s.rational = homogeneous(n, net);
+        homogeneous(n, net);
         if (ep_nurbs_split(&s, (const ep_point *)net, points, places, &why) != EP_OK) problem = why.text;
         for (size_t i = 0; i < patches && !problem; ++i)
             if (!add_patch(g, face, n, (const ep_point *)points + i * each, places[i])) problem = out_of_memory;
