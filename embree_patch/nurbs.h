@@ -2,9 +2,9 @@
  *
  * SPDX-License-Identifier: Apache-2.0
  *
- * Each pair of spans, one of u and one of v, is a patch. Points that patches share are computed once, in u from the
- * same points for all, so that neighbours have equal borders, bit for bit. Everything is a convex combination of
- * control points: weights stay positive. */
+ * Each pair of spans, one of u and one of v, is a patch. Neighbours have equal borders, bit for bit. Everything is a
+ * convex combination of control points, (1 - t) a + t b: weights stay positive, and those of 1 stay 1, for 1 - t is right
+ * to 2^-54 and so its sum with t rounds to 1. */
 #ifndef EP_NURBS_H
 #define EP_NURBS_H
 
