@@ -9,10 +9,12 @@ Each test runs in a folder and a process of its own, as many at once as there ar
 """
 import contextlib
 import io
+import itertools
 import json
 import math
 import multiprocessing
 import os
+import random
 import re
 import resource
 import shutil
@@ -1674,6 +1676,31 @@ def test_cad_kinds():
         if not cad_ray_is_right(h, 20 - x * y / 10 if kept else None, 0, (-y, -x, 10)) or kept and not close(h[1:3], (x, y)):
             wrong.append((x, y, h))
     check(hits and not wrong, f"saddle.iges: {len(wrong)} rays are wrong: {wrong[:3]}")
+
+
+def test_cad_gaps():
+    """Solids whose faces end short of their edges: no ray from inside leaves between them."""
+    gaps, spread = os.path.join(CAD, "gaps.brep"), random.Random(71)
+    rays = []
+
+    def aim(middle, at):
+        start = [m + spread.uniform(-1, 1) for m in middle]
+        rays.append((*start, 0, *(a + spread.uniform(-.004, .004) - s for a, s in zip(at, start)), math.inf))
+
+    size = (10, 8, 6)
+    for x in (0, 30):
+        for axis, high in itertools.product(range(3), itertools.product((0, 1), repeat=3)):
+            for _ in range(50):
+                at = [s * (spread.random() if k == axis else h) for k, (s, h) in enumerate(zip(size, high))]
+                aim((x + 5, 4, 3), (x + at[0], *at[1:]))
+    for k in range(1000):
+        aim((20, 4, 3), (20 + 3 * math.cos(.1 * k), 4 + 3 * math.sin(.1 * k), 6 * (k & 1)))
+    hits = trace(gaps, rays)
+    lost = [r for r, h in zip(rays, hits) if not h[0] < 1.1]
+    check(hits and not lost, f"gaps.brep: {len(lost)} of {len(rays)} rays leave: {lost[:3]}")
+    # a little farther out there is nothing
+    outside = [down(-.01, 4, 9), down(5, 8.01, 9), down(40.01, 4, 9), down(35, -.01, 9), down(23.01, 4, 9)]
+    check(all(h[3] == MISS for h in trace(gaps, outside)), "gaps.brep: faces reach too far")
 
 
 def test_bad_cad():

@@ -2,7 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "tools/shim/cad.h"
-#include "tools/shim/cad_trim.h"
+#include "tools/shim/cad_widen.h"
 
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
@@ -11,6 +11,7 @@
 #include <Precision.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
+#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
 #include <TopoDS.hxx>
@@ -143,13 +144,14 @@ void move(net &n, const TopLoc_Location &by)
     transform(n, m);
 }
 
-void convert_face(const TopoDS_Face &face, converted &c)
+void convert_face(const TopoDS_Face &face, const face_map &faces, converted &c)
 {
     TopLoc_Location at;
     const Handle(Geom_Surface) stored = BRep_Tool::Surface(face, at);
     if (stored.IsNull()) throw unusable("it has no surface");
     const Handle(Geom_Surface) base = untrimmed(stored);
-    const std::vector<loop> loops = take_loops(face, base);
+    std::vector<loop> loops = take_loops(face, base, faces);
+    widen(loops, base);
     range box[2];
     if (loops.empty()) stored->Bounds(box[0].low, box[0].high, box[1].low, box[1].high);
     else bound(loops, box);
@@ -159,7 +161,7 @@ void convert_face(const TopoDS_Face &face, converted &c)
     move(c.s.patches, at);
     for (const loop &l : loops) {
         c.loops.emplace_back();
-        for (const curve &part : l) c.loops.back().push_back(convert(part, c.s));
+        for (const side &part : l) c.loops.back().push_back(convert(part.along, c.s));
     }
     if (c.loops.size() == 1 && is_border(c.loops[0], c.s)) c.loops.clear();
     for (auto &l : c.loops) join(l, c.s);
@@ -191,8 +193,10 @@ void describe(converted &c)
 const char *cad_read(const char *path, cad_format format, cad_taker take, void *user)
 {
     std::vector<TopoDS_Face> faces;
+    face_map of_edges;
     const char *failure = guard([&] {
         const TopoDS_Shape shape = read_shape(path, format);
+        TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, of_edges);
         if (!shape.IsNull())
             for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) faces.push_back(TopoDS::Face(e.Current()));
         if (faces.empty()) throw unusable("there are no faces in the file");
@@ -202,7 +206,7 @@ const char *cad_read(const char *path, cad_format format, cad_taker take, void *
     for (size_t i = 0; i < faces.size() && more; ++i) {
         converted c;
         const char *why = guard([&] {
-            convert_face(faces[i], c);
+            convert_face(faces[i], of_edges, c);
             describe(c);
         });
         more = take(user, (uint32_t)i, (uint32_t)faces.size(), why ? nullptr : &c.face, why);

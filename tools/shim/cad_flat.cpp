@@ -157,9 +157,8 @@ bool is_constant(const curve &c, int direction, double tolerance)
 flat_curve convert(const curve &c, const surface &s)
 {
     if (!s.angles[0] && !s.angles[1]) return keep(c);
-    const bool is_line = c->Degree() == 1 && c->NbPoles() == 2;
     const auto constant = [&](int d) { return is_constant(c, d, 1e-12 * s.box[d].size()); };
-    if (!is_line || !(constant(0) || constant(1))) return fit(c, s).out;
+    if (!is_straight(c) || !(constant(0) || constant(1))) return fit(c, s).out;
     flat_curve l = keep(c);
     for (auto &p : l.points)
         for (int d = 0; d < 2; ++d) p[d] = s.parameter(d, p[d]);

@@ -112,6 +112,38 @@ void cut(net &n, int direction, range &r)
     knots = std::move(kept);
 }
 
+/* A control point is the blossom of its p knots. At an end, the first ones have been cut to a and are to be b:
+ *
+ *     f(b^j, a^(p-i-j), t_1 ... t_i) = mix(f(b^(j-1), a^(p-i-j+1), t_1 ...  t_i), f(b^(j-1), a^(p-i-j), t_1 ...
+ * t_(i+1)))
+ *
+ * by how far b is on the way from a to t_(i+1). */
+void extend(net &n, int direction, range wanted, range &r)
+{
+    const size_t p = (size_t)n.degree[direction], count = n.count[direction], stride = stride_of(n, direction);
+    constexpr double most = 0x1p-6; /* of a span: beyond, polynomials go astray */
+    for (const bool high : {false, true}) {
+        net out = n;
+        std::vector<double> &knots = out.knots[direction];
+        const auto knot = [&](size_t i) -> double & { return knots[high ? knots.size() - 1 - i : i]; };
+        const double a = knot(p), span = knot(p + 1) - a, by = (high ? wanted.high : wanted.low) - a;
+        if (!(by / span < -near * r.size() / std::fabs(span)) || by / span < -most) continue;
+        bool is_positive = true;
+        for (size_t row = 0; row < n.count[1 - direction]; ++row) {
+            const auto at = [&](size_t i) -> point & {
+                return out.points[row * stride_of(n, 1 - direction) + (high ? count - 1 - i : i) * stride];
+            };
+            for (size_t j = 1; j <= p; ++j)
+                for (size_t i = 0; i + j <= p; ++i) at(i) = mix(at(i), at(i + 1), by / (knot(p + 1 + i) - a));
+            for (size_t i = 0; i < p; ++i) is_positive = is_positive && at(i)[3] > 0;
+        }
+        if (!is_positive) continue;
+        for (size_t i = 0; i <= p; ++i) knot(i) = a + by;
+        (high ? r.high : r.low) = a + by;
+        n = std::move(out);
+    }
+}
+
 arcs::arcs(range r) : whole(r)
 {
     constexpr double right = 1.5707963267948966;

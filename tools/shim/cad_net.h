@@ -44,6 +44,10 @@ net take_spans(const net &n, int direction, const periodic &p, range r);
 /* Cuts the spline at the ends of `r`, which move to knots that are very near. */
 void cut(net &n, int direction, range &r);
 
+/* The outermost polynomials of a spline over `r`, which has been cut there, go on to the ends of `wanted`, where these
+ * are a little farther out. */
+void extend(net &n, int direction, range wanted, range &r);
+
 /* Where an angle has become the parameter of rational quadratic arcs, each of at most 90 degrees: equal at the ends of
  * arcs, and in between half the angle's tangent is what goes on evenly. */
 class arcs

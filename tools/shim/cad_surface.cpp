@@ -67,9 +67,10 @@ std::vector<double> list_knots(const TColStd_Array1OfReal &knots, const TColStd_
     return all;
 }
 
-/* The spline over `r`, which becomes smaller where there is no more of it. */
+/* The spline over `r`, which becomes smaller where there is much less of it. */
 void restrict_to(net &n, int direction, const periodic &p, range &r)
 {
+    const range wanted = r;
     if (!(p.length > 0)) {
         const std::vector<double> &knots = n.knots[direction];
         r.low = std::max(r.low, knots[(size_t)n.degree[direction]]);
@@ -80,6 +81,7 @@ void restrict_to(net &n, int direction, const periodic &p, range &r)
     if (!(r.low < r.high)) throw unusable("it has no area in its parameters");
     n = take_spans(n, direction, p, r);
     cut(n, direction, r);
+    extend(n, direction, wanted, r);
 }
 
 net spline_curve(const Handle(Geom_BSplineCurve) & c, range &r)

@@ -44,7 +44,7 @@ struct plane {
     }
 };
 
-curve take_edge(const TopoDS_Edge &edge, const TopoDS_Face &face)
+side take_edge(const TopoDS_Edge &edge, const TopoDS_Face &face, const face_map &faces)
 {
     double first, last;
     Handle(Geom2d_Curve) c = BRep_Tool::CurveOnSurface(edge, face, first, last);
@@ -60,43 +60,46 @@ curve take_edge(const TopoDS_Edge &edge, const TopoDS_Face &face)
     if (!(first < last)) throw unusable("an edge of it has no length");
     const curve b = Geom2dConvert::CurveToBSplineCurve(new Geom2d_TrimmedCurve(c, first, last));
     if (b->IsPeriodic()) b->SetNotPeriodic();
-    return b;
+    const bool is_own = BRep_Tool::Degenerated(edge) || BRep_Tool::IsClosed(edge, face);
+    if (is_own) return {b, {{0, 0}}};
+    return {b, measure_gaps(edge, face, first, last, faces)};
 }
 
-std::vector<curve> take_wire(const TopoDS_Shape &wire, const TopoDS_Face &face)
+loop take_wire(const TopoDS_Shape &wire, const TopoDS_Face &face, const face_map &faces)
 {
-    std::vector<curve> all;
+    loop all;
     for (TopExp_Explorer e(wire, TopAbs_EDGE); e.More(); e.Next()) {
         const TopAbs_Orientation side = e.Current().Orientation();
         if (side != TopAbs_FORWARD && side != TopAbs_REVERSED) continue; /* bounds nothing */
-        all.push_back(take_edge(TopoDS::Edge(e.Current()), face));
-        if (side == TopAbs_REVERSED) all.back()->Reverse();
+        all.push_back(take_edge(TopoDS::Edge(e.Current()), face, faces));
+        if (side == TopAbs_REVERSED) all.back().reverse();
     }
     return all;
 }
 
-/* Takes what goes on best at `end`; null when nothing does better than to close the loop, `gap` away. */
-curve take_next(std::vector<curve> &rest, const gp_Pnt2d &end, double gap, const plane &p)
+/* Takes what goes on best at `end`; none when nothing does better than to close the loop, `gap` away. */
+std::optional<side> take_next(loop &rest, const gp_Pnt2d &end, double gap, const plane &p)
 {
     struct choice {
         size_t index;
         bool reversed;
         gp_Vec2d by;
     } best{rest.size(), false, gp_Vec2d()};
-    constexpr double reluctance = 1e-4, enough = 1e-9; /* to turn or to reverse; for the first one, mostly, to do */
+    constexpr double to_reverse = 1e-4, to_turn = 1e-2; /* reluctance: gaps that are not worth it */
+    constexpr double enough = 1e-9;                     /* for the first one, mostly, to do */
     for (size_t i = 0; i < rest.size() && (gap > enough || best.index == rest.size()); ++i)
         for (int k = 0; k < 4; ++k) {
             const bool reversed = k & 1, turned = k & 2;
-            const gp_Pnt2d start = reversed ? rest[i]->EndPoint() : rest[i]->StartPoint();
+            const gp_Pnt2d start = reversed ? rest[i].along->EndPoint() : rest[i].along->StartPoint();
             const gp_Vec2d by = turned ? p.turns(start, end) : gp_Vec2d(0, 0);
-            const double d = p.distance(start.Translated(by), end) + reluctance * (reversed + turned);
+            const double d = p.distance(start.Translated(by), end) + to_reverse * reversed + to_turn * turned;
             if (d < gap) gap = d, best = {i, reversed, by};
         }
-    if (best.index == rest.size()) return nullptr;
-    const curve c = rest[best.index];
+    if (best.index == rest.size()) return {};
+    side c = rest[best.index];
     rest.erase(rest.begin() + (std::ptrdiff_t)best.index);
-    if (best.reversed) c->Reverse();
-    c->Translate(best.by);
+    if (best.reversed) c.reverse();
+    c.along->Translate(best.by);
     return c;
 }
 
@@ -111,7 +114,7 @@ bool is_one_point(const Handle(Geom_Surface) & s, const gp_Pnt2d &a, const gp_Pn
     return true;
 }
 
-std::vector<loop> chain(std::vector<curve> rest, const plane &p, const Handle(Geom_Surface) & s, double tolerance)
+std::vector<loop> chain(loop rest, const plane &p, const Handle(Geom_Surface) & s, double tolerance)
 {
     constexpr double far = 0.2; /* of the face: what cannot be bridged by a straight line */
     const auto bridge = [&](const gp_Pnt2d &from, const gp_Pnt2d &to) {
@@ -122,14 +125,14 @@ std::vector<loop> chain(std::vector<curve> rest, const plane &p, const Handle(Ge
     while (!rest.empty()) {
         loop l{rest.front()};
         rest.erase(rest.begin());
-        const gp_Pnt2d start = l.front()->StartPoint();
+        const gp_Pnt2d start = l.front().along->StartPoint();
         for (;;) {
-            const gp_Pnt2d end = l.back()->EndPoint();
+            const gp_Pnt2d end = l.back().along->EndPoint();
             const double gap = p.distance(end, start);
-            const curve next = take_next(rest, end, gap > 0.1 * far ? HUGE_VAL : gap, p);
-            bridge(end, next ? next->StartPoint() : start);
+            const std::optional<side> next = take_next(rest, end, gap > 0.1 * far ? HUGE_VAL : gap, p);
+            bridge(end, next ? next->along->StartPoint() : start);
             if (!next) break;
-            l.push_back(next);
+            l.push_back(*next);
         }
         all.push_back(l);
     }
@@ -155,7 +158,7 @@ void gather(std::vector<loop> &loops, const plane &p)
             const double middle = 0.5 * (box[d].low + box[d].high);
             by[d] = p.turn[d] > 0 ? p.turn[d] * std::ceil((most[d].low - middle) / p.turn[d]) : 0;
         }
-        for (const curve &c : l) c->Translate(gp_Vec2d(by[0], by[1]));
+        for (const side &c : l) c.along->Translate(gp_Vec2d(by[0], by[1]));
     }
 }
 
@@ -167,12 +170,11 @@ void extend(range box[2], double x, double y)
 
 } // namespace
 
-std::vector<loop> take_loops(const TopoDS_Face &of, const Handle(Geom_Surface) & s)
+std::vector<loop> take_loops(const TopoDS_Face &of, const Handle(Geom_Surface) & s, const face_map &faces)
 {
     const TopoDS_Face face = TopoDS::Face(of.Oriented(TopAbs_FORWARD));
-    std::vector<std::vector<curve>> wires;
-    std::vector<loop> loops;
-    for (TopExp_Explorer e(face, TopAbs_WIRE); e.More(); e.Next()) wires.push_back(take_wire(e.Current(), face));
+    std::vector<loop> wires, loops;
+    for (TopExp_Explorer e(face, TopAbs_WIRE); e.More(); e.Next()) wires.push_back(take_wire(e.Current(), face, faces));
     wires.erase(std::remove_if(wires.begin(), wires.end(), [](const auto &w) { return w.empty(); }), wires.end());
     if (wires.empty()) return loops;
 
@@ -180,7 +182,7 @@ std::vector<loop> take_loops(const TopoDS_Face &of, const Handle(Geom_Surface) &
     bound(wires, box);
     const plane p = {{s->IsUPeriodic() ? s->UPeriod() : 0, s->IsVPeriodic() ? s->VPeriod() : 0},
                      {std::max(box[0].size(), DBL_MIN), std::max(box[1].size(), DBL_MIN)}};
-    for (std::vector<curve> &w : wires)
+    for (loop &w : wires)
         for (loop &l : chain(std::move(w), p, s, 10 * BRep_Tool::Tolerance(face))) loops.push_back(std::move(l));
     if (loops.size() > 1) gather(loops, p);
     return loops;
@@ -190,8 +192,8 @@ void bound(const std::vector<loop> &loops, range box[2])
 {
     box[0] = box[1] = {HUGE_VAL, -HUGE_VAL};
     for (const loop &l : loops)
-        for (const curve &c : l)
-            for (int i = 1; i <= c->NbPoles(); ++i) extend(box, c->Pole(i).X(), c->Pole(i).Y());
+        for (const side &c : l)
+            for (int i = 1; i <= c.along->NbPoles(); ++i) extend(box, c.along->Pole(i).X(), c.along->Pole(i).Y());
 }
 
 } // namespace cad

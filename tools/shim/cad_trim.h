@@ -4,22 +4,42 @@
 #ifndef EPATCH_CAD_TRIM_H
 #define EPATCH_CAD_TRIM_H
 
+#include "tools/shim/cad_gap.h"
 #include "tools/shim/cad_surface.h"
 
 #include <Geom2d_BSplineCurve.hxx>
-#include <TopoDS_Face.hxx>
 
+#include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace cad
 {
 
 using curve = Handle(Geom2d_BSplineCurve);
-using loop = std::vector<curve>;
+
+inline bool is_straight(const curve &c)
+{
+    return c->Degree() == 1 && c->NbPoles() == 2 && !c->IsRational();
+}
+
+/* A side of a loop. */
+struct side {
+    curve along;
+    std::vector<edge_gap> short_of; /* at one or more places along it; 0 along a seam and at a pole */
+
+    void reverse()
+    {
+        along->Reverse();
+        std::reverse(short_of.begin(), short_of.end());
+        for (edge_gap &g : short_of) std::swap(g[0], g[1]);
+    }
+};
+using loop = std::vector<side>;
 
 /* The loops, each in one piece, in the surface's own parameters; none: the face is all of its surface. */
-std::vector<loop> take_loops(const TopoDS_Face &face, const Handle(Geom_Surface) & s);
+std::vector<loop> take_loops(const TopoDS_Face &face, const Handle(Geom_Surface) & s, const face_map &faces);
 
 /* A box that the loops do not leave. */
 void bound(const std::vector<loop> &loops, range box[2]);
