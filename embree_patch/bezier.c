@@ -153,22 +153,15 @@ void ep_tri_restrict(const ep_point *net, unsigned n, const double U[2], const d
     }
 }
 
-static double binomial(unsigned n, unsigned k)
-{
-    double b = 1;
-    for (unsigned i = 1; i <= k; ++i) b = b * (n - k + i) / i;
-    return b;
-}
-
 /* The curve of degree n with points p[0], p[stride], ... as a polynomial in s, t = t0 + s h, in place. Its i-th
- * coefficient is binomial(n, i) h^i times the i-th difference of de Casteljau's level n-i at t0. Differences of the
- * whole curve's points lose i bits, but h^i more than gives them back in a part of it. */
+ * coefficient is binomial(n, i) h^i times the i-th difference of de Casteljau's level n-i at t0. Differences lose i
+ * bits, which h^i gives back in a small part of the curve; for a large one see twofold.h. */
 static void curve_series(ep_point *p, unsigned n, size_t stride, double t0, double h)
 {
     ep_point level[EP_NET_DEGREE + 1];
     for (unsigned i = 0; i <= n; ++i) memcpy(level[i], p[i * stride], sizeof(ep_point));
     for (unsigned i = n;; --i) {
-        double *to = p[i * stride], factor = binomial(n, i) * ep_power(h, i);
+        double *to = p[i * stride], factor = ep_binomial(n, i) * ep_power(h, i);
         for (int c = 0; c < 4; ++c) to[c] = 0;
         for (unsigned k = 0; k <= i; ++k, factor = -factor * (i - k + 1) / k)
             for (int c = 0; c < 4; ++c) to[c] += factor * level[i - k][c];
@@ -196,7 +189,7 @@ void ep_tri_series(const ep_point *net, unsigned n, const double X[2], const dou
         for (unsigned i = 0; i <= d; ++i) {
             memcpy(c, b, ep_tri_count(d - i) * sizeof(ep_point));
             for (unsigned k = d - i; k > 0; --k) tri_blossom(c, k, V[0], V[1], -V[0] - V[1]);
-            const double factor = binomial(n, d) * binomial(d, i);
+            const double factor = ep_binomial(n, d) * ep_binomial(d, i);
             for (int e = 0; e < 4; ++e) out[ep_tri_index(n, i, d - i)][e] = factor * c[0][e];
             if (i < d) tri_blossom(b, d - i, U[0], U[1], -U[0] - U[1]);
         }

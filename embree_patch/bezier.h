@@ -35,6 +35,14 @@ static inline double ep_power(double x, unsigned n)
     return r;
 }
 
+/* A whole number while n is no more than EP_NET_DEGREE, and so are all on the way. */
+static inline double ep_binomial(unsigned n, unsigned k)
+{
+    double b = 1;
+    for (unsigned i = 1; i <= k; ++i) b = b * (n - k + i) / i;
+    return b;
+}
+
 /* A value with its first and second derivatives. */
 typedef struct ep_jet {
     ep_point p, pu, pv, puu, puv, pvv;

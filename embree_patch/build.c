@@ -48,9 +48,6 @@ static bool keep_part(const piece_args *a, const ep_domain *d, const ep_trim_par
     return l->status == EP_OK;
 }
 
-/* A series of high degree over a large piece loses more than this of the patch; over smaller ones it does not. */
-static const double max_loss = 0x1p-26;
-
 /* What is to be done with a piece that the surface is content with: in a slender triangle the thickness, which is
  * relative to its width, says nothing any more. */
 typedef enum stage { SURFACE, TRIM } stage;
@@ -84,8 +81,7 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
     const ep_kind_id kind = a->patch->kind;
     ep_leaf_fit(d, f);
     if (depth < a->max_depth) {
-        const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) &&
-                          f->distortion <= max_distortion && f->loss <= max_loss;
+        const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) && f->distortion <= max_distortion;
         const bool hopeless = stage == SURFACE && !(f->distortion < 1) &&
                               depth * ep_kinds[kind].halvings >= (f->line ? LINE_DEPTH : FOLD_DEPTH);
         ep_domain parts[EP_TRIMMED_PARTS];

@@ -302,6 +302,41 @@ void ep_leaf_begin(const ep_patch *p, ep_fit *f)
         }
 }
 
+/* A series that would lose more than this of the patch in double is computed in twice the digits. */
+static const double max_loss = 0x1p-26;
+
+/* The largest |term| of each place, added up, in units of the largest point. */
+static double terms_of(const ep_fit *f, const ep_point *q)
+{
+    const double scale[4] = {f->patch->radius, f->patch->radius, f->patch->radius, 1};
+    double total = 0;
+    for (unsigned j = 0; j <= f->n; ++j)
+        for (unsigned i = 0; i <= f->m; ++i) {
+            const size_t at = f->kind->index(f->m, f->n, i, j);
+            double largest = 0;
+            for (int c = 0; c < 4 && at != SIZE_MAX; ++c) largest = fmax(largest, fabs(q[at][c]) / scale[c]);
+            if (largest > 0) total += largest * ep_monomial(f, i, j);
+        }
+    return total / f->patch->weight_max;
+}
+
+/* The piece's series, and its `loss`. An eps of the largest point is lost at most four times a degree on the way to a
+ * coefficient of w S, and as often when the frame is moved, and twice a degree where the middle is rounded; the same of
+ * w, at a point of the patch: 16 a degree, as often as points count. Twice the digits square that; what is left then is
+ * the rounding of coefficients, which count as much as they are. */
+static void make_series(ep_fit *f, const ep_domain *d, ep_point *q)
+{
+    const ep_patch *p = f->patch;
+    const double eps = 16 * EP_EPS_D * (f->m + f->n), in_double = eps * f->kind->growth(f->m, f->n, d);
+    if (in_double * p->weight_max <= max_loss * p->weight_min) {
+        f->kind->series(f->local, f->m, f->n, d, q);
+        f->loss = in_double;
+    } else {
+        f->kind->twofold_series(f->local, f->m, f->n, d, q);
+        f->loss = eps * (1 + terms_of(f, q) + in_double);
+    }
+}
+
 void ep_leaf_fit(const ep_domain *d, ep_fit *f)
 {
     const ep_patch *p = f->patch;
@@ -315,12 +350,10 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     leaf->domain[4] = (float)d->uv, leaf->domain[5] = (float)d->vu;
 
     ep_point q[EP_NET_POINTS];
-    kind->series(f->local, f->m, f->n, d, q);
+    make_series(f, d, q);
     const size_t count = kind->point_count(f->m, f->n), s = kind->index(f->m, f->n, 1, 0),
                  t = kind->index(f->m, f->n, 0, 1);
-    const double w0 = q[0][3], side = fmax(fabs(d->uu) + fabs(d->uv), fabs(d->vu) + fabs(d->vv));
-    f->loss =
-        16 * EP_EPS_D * (f->m + f->n) * ep_power(1 + side, f->m + f->n); /* of binomials times powers of the side */
+    const double w0 = q[0][3];
     for (size_t k = 0; k < count; ++k)
         for (int c = 0; c < 4; ++c) q[k][c] /= w0;
     const ep_vec3 at = ep_v3(q[0][0], q[0][1], q[0][2]);
@@ -339,6 +372,7 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     round_frame(f);
     change_coordinates(f, q, at);
     const weight w = weight_bounds(f, p->weight_min / w0);
+    f->loss *= p->weight_max / (w0 * w.low);
     ep_vec3 origin = ep_add(at, ep_scale(ep_mid(quotient_bounds(series_bounds(f, 2), &w).value), f->column[2]));
     double *o = &origin.x;
     for (int c = 0; c < 3; ++c) {

@@ -156,7 +156,7 @@ typedef struct ep_fit {
     double distortion; /* bound on |Dr_st|: how far the parametrisation is from affine                             */
     double side;       /* bound on |r_s| and |r_t|                                                                 */
     double turn[2];    /* how much halving the first or the second side would flatten the piece                  */
-    double loss;       /* rounding of its series, in double, relative to the patch                                 */
+    double loss;       /* how far rounding puts its series off, in units of the patch's radius                      */
     double error;      /* the leaf's noise in scene units                                                          */
     size_t net_floats; /* what ep_leaf_pack will write                                                             */
     double area;       /* of the part of the domain, in parameters; negative where it stands on its head            */

@@ -2,6 +2,7 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "embree_patch/patch.h"
+#include "embree_patch/twofold.h"
 
 static ep_range sum(ep_range a, ep_range b)
 {
@@ -37,6 +38,18 @@ static void tensor_restrict(const ep_point *net, unsigned m, unsigned n, const e
 static void tensor_series(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out)
 {
     ep_tensor_series(net, m, n, d->u0 + d->uu / 2, d->uu, d->v0 + d->vv / 2, d->vv, out);
+}
+
+static void tensor_twofold(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out)
+{
+    ep_twofold_tensor_series(net, m, n, d->u0 + d->uu / 2, d->uu, d->v0 + d->vv / 2, d->vv, out);
+}
+
+/* The i-th difference of points doubles their roundings i times: binomial(m, i) (2 |uu s|)^i add up to (1 + 2 |uu
+ * s|)^m, and |s| is a half at most. */
+static double tensor_growth(unsigned m, unsigned n, const ep_domain *d)
+{
+    return ep_power(1 + fabs(d->uu), m) * ep_power(1 + fabs(d->vv), n);
 }
 
 static unsigned tensor_split(const ep_domain *d, unsigned along, ep_domain part[4])
@@ -112,6 +125,24 @@ static void tri_series(const ep_point *net, unsigned n, unsigned unused, const e
     ep_tri_series(net, n, X, U, V, out);
 }
 
+static void tri_twofold(const ep_point *net, unsigned n, unsigned unused, const ep_domain *d, ep_point *out)
+{
+    (void)unused;
+    const double X[2] = {d->u0 + (d->uu + d->uv) / 3, d->v0 + (d->vu + d->vv) / 3};
+    const double U[2] = {d->uu, d->vu}, V[2] = {d->uv, d->vv};
+    ep_twofold_tri_series(net, n, X, U, V, out);
+}
+
+/* A step along s counts roundings as often as the magnitudes of its weights add up to, a, one along t b times; n!/(i!
+ * j! k!) a^i |s|^i b^j |t|^j add up to (1 + a |s| + b |t|)^n, most in one of the corners. */
+static double tri_growth(unsigned n, unsigned unused, const ep_domain *d)
+{
+    (void)unused;
+    const double a = fabs(d->uu) + fabs(d->vu) + fabs(d->uu + d->vu);
+    const double b = fabs(d->uv) + fabs(d->vv) + fabs(d->uv + d->vv);
+    return ep_power(1 + (a + b + fmax(a, b)) / 3, n);
+}
+
 static unsigned tri_split(const ep_domain *d, unsigned along, ep_domain part[4])
 {
     (void)along;
@@ -153,6 +184,8 @@ const ep_kind ep_kinds[2] = {
                         ep_tensor_eval,
                         tensor_restrict,
                         tensor_series,
+                        tensor_twofold,
+                        tensor_growth,
                         tensor_split,
                         tensor_index,
                         tensor_quadratic,
@@ -166,6 +199,8 @@ const ep_kind ep_kinds[2] = {
                           tri_eval,
                           tri_restrict,
                           tri_series,
+                          tri_twofold,
+                          tri_growth,
                           tri_split,
                           tri_index,
                           tri_quadratic,
@@ -211,10 +246,11 @@ void ep_patch_measure(ep_patch *p)
 {
     const size_t count = ep_kinds[p->kind].point_count(p->degree_u, p->degree_v);
     double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
-    p->weight_min = INFINITY;
+    p->weight_min = INFINITY, p->weight_max = 0;
     for (size_t i = 0; i < count; ++i) {
         const double w = p->points[i][3];
         p->weight_min = fmin(p->weight_min, w);
+        p->weight_max = fmax(p->weight_max, w);
         for (int c = 0; c < 3; ++c) {
             lo[c] = fmin(lo[c], p->points[i][c] / w);
             hi[c] = fmax(hi[c], p->points[i][c] / w);

@@ -21,10 +21,10 @@ typedef struct ep_domain {
 } ep_domain;
 
 typedef struct ep_patch {
-    double centre[3];  /* middle of the control points' box: what the slow path's coordinates are relative to */
-    double radius;     /* max |coordinate| of a control point from there, scene units                         */
-    double weight_min; /* the smallest weight                                                                 */
-    double error;      /* how far a hit may be from the surface by the kernels' rounding, scene units; from the build */
+    double centre[3]; /* middle of the control points' box: what the slow path's coordinates are relative to */
+    double radius;    /* max |coordinate| of a control point from there, scene units                         */
+    double weight_min, weight_max; /* the smallest and the largest weight                                     */
+    double error; /* how far a hit may be from the surface by the kernels' rounding, scene units; from the build */
     uint8_t kind, degree_u, degree_v, rational;
     const ep_point *points; /* homogeneous (wx, wy, wz, w) in the geometry's space                            */
 } ep_patch;
@@ -35,8 +35,12 @@ typedef struct ep_kind {
     size_t (*point_count)(unsigned m, unsigned n);
     void (*eval)(const ep_point *net, unsigned m, unsigned n, double u, double v, ep_jet *jet);
     void (*restrict_to)(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out);
-    /* The surface over d as a polynomial in the leaf's coordinates: (s, t) of d minus `middle`. */
+    /* The surface over d as a polynomial in the leaf's coordinates: (s, t) of d minus `middle`. In double, and in
+     * twofold.h's arithmetic. */
     void (*series)(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out);
+    void (*twofold_series)(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out);
+    /* How many times a rounding of points counts in the series, at most anywhere over d. */
+    double (*growth)(unsigned m, unsigned n, const ep_domain *d);
     /* The parts that a domain is halved into: along its first side, its second, or (triangles) into four by the
      * midpoints of its sides whatever `along` is. Returns their number. */
     unsigned (*split)(const ep_domain *d, unsigned along, ep_domain part[4]);
@@ -62,7 +66,7 @@ typedef struct ep_frame {
 } ep_frame;
 ep_frame ep_project(const ep_jet *jet);
 
-/* Fills centre, radius and weight_min from the points. */
+/* Fills centre, radius and weights from the points. */
 void ep_patch_measure(ep_patch *p);
 
 /* The patch's points relative to its centre: (w(x-c), w). */

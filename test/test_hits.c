@@ -48,6 +48,13 @@ static void folds_of_high_degree(void **state)
     check_hits(&(hits_case){7, 4, 160, true, true, {15, 1}, {STYLE_GENTLE, STYLE_WILD}, 2, 1, {0, 0, 0}, 0});
 }
 
+/* Flat enough for whole patches to be leaves. */
+static void large_pieces_of_high_degree(void **state)
+{
+    (void)state;
+    check_hits(&(hits_case){9, 16, 160, true, true, {25, 1}, {STYLE_FLAT}, 1, 1, {0, 0, 0}, 0});
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -58,6 +65,7 @@ int main(void)
         cmocka_unit_test(bilinear_and_flat),
         cmocka_unit_test(degenerate),
         cmocka_unit_test(folds_of_high_degree),
+        cmocka_unit_test(large_pieces_of_high_degree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
