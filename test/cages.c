@@ -276,6 +276,7 @@ const cage_case cages[CAGES] = {
     {"prism of 3", prism, 3, false, STAR, REF_EDGE_ONLY, true},
     {"prism of 5", prism, 5, false, STAR, REF_EDGE_ONLY, true},
     {"prism of 7", prism, 7, false, STAR, REF_EDGE_ONLY, true},
+    {"prism of 16", prism, 16, false, STAR, REF_EDGE_ONLY, true},
     {"poles", poles, 16, false, STAR, REF_EDGE_ONLY, true},
     {"Loop, tetrahedron", tetrahedron, 0, true, STAR, REF_EDGE_ONLY, false},
     {"Loop, icosahedron", icosahedron, 0, true, STAR, REF_EDGE_ONLY, false},

@@ -16,6 +16,7 @@ bool is_smooth(const Far::TopologyLevel &level, Far::Index v)
            level.GetVertexRule(v) == Sdc::Crease::RULE_SMOOTH;
 }
 
+/* Beyond the edge from a to b, which is looked for among those of a. */
 Far::Index other_face(const Far::TopologyLevel &level, Far::Index face, Far::Index a, Far::Index b)
 {
     const Far::ConstIndexArray faces = level.GetEdgeFaces(level.FindEdge(a, b));
@@ -34,18 +35,6 @@ bool is_regular(const Far::TopologyLevel &level, Far::Index v)
     return is_smooth(level, v) && level.GetVertexFaces(v).size() == 4;
 }
 
-/* Is a vertex smooth, and regular all around it? */
-bool has_rings(const Far::TopologyLevel &level, Far::Index v)
-{
-    if (!is_smooth(level, v)) return false;
-    for (const Far::Index face : level.GetVertexFaces(v)) {
-        if (level.GetFaceVertices(face).size() != 4) return false;
-        for (int k = 1; k <= 3; ++k)
-            if (!is_regular(level, corner_of(level, face, v, k))) return false;
-    }
-    return true;
-}
-
 } // namespace
 
 bool cage_is_smooth(const Far::TopologyLevel &mesh)
@@ -60,11 +49,22 @@ bool cage_is_smooth(const Far::TopologyLevel &mesh)
     return true;
 }
 
+bool cage_has_rings(const Far::TopologyLevel &level, Far::Index v)
+{
+    if (!is_smooth(level, v)) return false;
+    for (const Far::Index face : level.GetVertexFaces(v)) {
+        if (level.GetFaceVertices(face).size() != 4) return false;
+        for (int k = 1; k <= 3; ++k)
+            if (!is_regular(level, corner_of(level, face, v, k))) return false;
+    }
+    return true;
+}
+
 /* Down from the face of the cage to that of a patch. A quadrilateral's parts have the numbers of its corners. */
 cage_irregular cage_find_irregular(const Far::TopologyRefiner &refiner, uint32_t face, uint32_t quad,
                                    const Far::PatchParam &param)
 {
-    cage_irregular at{0, (Far::Index)face, -1, -1, 0};
+    cage_irregular at{0, (Far::Index)face, -1, -1};
     if (param.NonQuadRoot()) at.face = refiner.GetLevel(at.level++).GetFaceChildFaces(at.face)[(int)quad];
     for (int bit = param.GetDepth() - at.level - 1; bit >= 0; --bit, ++at.level) {
         const bool x = param.GetU() >> bit & 1, y = param.GetV() >> bit & 1;
@@ -77,18 +77,17 @@ cage_irregular cage_find_irregular(const Far::TopologyRefiner &refiner, uint32_t
         if (at.corner >= 0) return at.corner = -1, at;
         at.corner = k;
     }
-    if (at.corner < 0) return at;
-    at.centre = vertices[at.corner];
-    at.valence = (size_t)level.GetVertexFaces(at.centre).size();
-    if (!has_rings(level, at.centre)) at.corner = -1;
+    if (at.corner >= 0) at.centre = vertices[at.corner];
     return at;
 }
 
-void cage_gather(const Far::TopologyLevel &level, const cage_irregular &of, const double (*points)[3], cage_rings *r)
+std::vector<Far::Index> cage_gather(const Far::TopologyLevel &level, const cage_irregular &of,
+                                    const double (*points)[3], cage_rings *r)
 {
+    std::vector<Far::Index> faces;
     const Far::Index centre = of.centre;
     const auto put = [&](Far::Index v, double to[3]) { std::copy(points[v], points[v] + 3, to); };
-    put(centre, r->centre);
+    put(centre, *r->centre);
     Far::Index face = of.face;
     for (size_t i = 0; i < r->n; ++i) {
         const Far::Index edge = corner_of(level, face, centre, 1), across = corner_of(level, face, centre, 2),
@@ -103,6 +102,8 @@ void cage_gather(const Far::TopologyLevel &level, const cage_irregular &of, cons
         put(corner_of(level, right, across, 2), p[1][0]);
         put(low, p[1][1]);
         put(corner_of(level, far, across, 2), p[1][2]);
-        face = other_face(level, face, centre, next);
+        faces.push_back(face);
+        face = other_face(level, face, next, centre);
     }
+    return faces;
 }

@@ -114,7 +114,9 @@ constexpr int most_levels = 10;
 /* After two levels every quadrilateral has one extraordinary corner at most. */
 constexpr int apart = 2;
 
-/* What is not smooth is for OpenSubdiv to isolate, and so is everything with Loop's scheme. */
+/* What is not smooth is for OpenSubdiv to isolate, and so is everything with Loop's scheme. Where all of it is smooth,
+ * rings replace its irregular patches: bilinear ones cost least, for their points are those of vertices, and each point
+ * of a Gregory patch takes a weight for every face around. */
 table_ptr make_table(Far::TopologyRefiner &refiner, const cage &c)
 {
     const int asked = c.level ? std::clamp((int)c.level, apart, most_levels) : most_levels;
@@ -123,10 +125,11 @@ table_ptr make_table(Far::TopologyRefiner &refiner, const cage &c)
     o.generateLegacySharpCornerPatches = false;
     o.generateVaryingTables = false;
     o.generateVaryingLocalPoints = false;
-    o.SetEndCapType(Far::PatchTableFactory::Options::ENDCAP_GREGORY_BASIS);
+    const bool rings = c.scheme == CAGE_CATMULL_CLARK && cage_is_smooth(refiner.GetLevel(0));
+    o.SetEndCapType(rings ? Far::PatchTableFactory::Options::ENDCAP_BILINEAR_BASIS
+                          : Far::PatchTableFactory::Options::ENDCAP_GREGORY_BASIS);
     o.SetPatchPrecision<double>();
     Far::TopologyRefiner::AdaptiveOptions adaptive = o.GetRefineAdaptiveOptions();
-    const bool rings = c.scheme == CAGE_CATMULL_CLARK && cage_is_smooth(refiner.GetLevel(0));
     adaptive.SetSecondaryLevel(rings ? apart : asked);
     refiner.RefineAdaptive(adaptive);
     return table_ptr(Far::PatchTableFactory::Create(refiner, o));
@@ -320,6 +323,12 @@ extent extent_of(const cage &c)
     return e;
 }
 
+/* A face at an extraordinary vertex; without rings, OpenSubdiv's patch is all there is. */
+struct sector {
+    std::shared_ptr<const cage_rings> rings;
+    size_t index = 0;
+};
+
 /* The surface of a cage, patch by patch. */
 class surface
 {
@@ -353,9 +362,12 @@ class surface
         const Far::PatchParam param = table.GetPatchParam(l.array, l.patch);
         const Far::ConstIndexArray at = table.GetPatchVertices(l.array, l.patch);
         const Far::PatchDescriptor type = table.GetPatchArrayDescriptor(l.array);
-        if (type.GetType() == Far::PatchDescriptor::GREGORY_BASIS) {
+        if (type.GetType() == Far::PatchDescriptor::GREGORY_BASIS || type.GetType() == Far::PatchDescriptor::QUADS) {
             const cage_irregular of = cage_find_irregular(refiner, p->face, p->quad, param);
-            if (of.corner >= 0) return give_rings(of, param.GetDepth(), p, take, user);
+            if (of.corner >= 0) {
+                const sector s = take_sector(of, param.GetDepth());
+                if (s.rings) return give_sector(s, of.corner, p, take, user);
+            }
         }
         if (type.GetType() == Far::PatchDescriptor::GREGORY_BASIS ||
             type.GetType() == Far::PatchDescriptor::GREGORY_TRIANGLE) {
@@ -374,23 +386,40 @@ class surface
         return take(user, p);
     }
 
-    bool give_rings(const cage_irregular &of, int depth, const cage_patch *p, taker take, void *user)
+    /* The first face around a vertex makes the rings for all of them, and the last one leaves nothing of them. */
+    sector take_sector(const cage_irregular &of, int depth)
     {
-        std::vector<std::array<std::array<std::array<double, 3>, 4>, 3>> room(of.valence);
-        cage_rings r{of.valence, {0, 0, 0}, reinterpret_cast<double(*)[3][4][3]>(room.data())};
-        const auto gather = [&] {
-            const vertex *first = &points[(size_t)first_of_level[(size_t)of.level]];
-            cage_gather(refiner.GetLevel(of.level), of, &first->x, &r);
-        };
-        auto [known, is_new] = levels_of.try_emplace({of.level, of.centre}, std::max((int)c.level - depth, 0));
-        if (is_new && c.level == CAGE_LEVEL_DEFAULT) {
-            gather();
-            known->second = cage_rings_levels(&r, flat * whole.size, tiny * whole.far);
+        const std::pair<int, Far::Index> at{of.level, of.face};
+        if (!sectors.count(at)) make_sectors(of, depth);
+        return sectors.extract(at).mapped();
+    }
+
+    void make_sectors(const cage_irregular &of, int depth)
+    {
+        const Far::TopologyLevel &level = refiner.GetLevel(of.level);
+        const Far::ConstIndexArray around = level.GetVertexFaces(of.centre);
+        if (!cage_has_rings(level, of.centre)) {
+            for (const Far::Index face : around) sectors[{of.level, face}] = {};
+            return;
         }
-        gather();
+        const std::shared_ptr<cage_rings> r(new cage_rings{}, [](cage_rings *old) {
+            cage_rings_free(old);
+            delete old;
+        });
+        if (!cage_rings_begin(r.get(), (size_t)around.size())) throw std::bad_alloc();
+        const vertex *first = &points[(size_t)first_of_level[(size_t)of.level]];
+        const std::vector<Far::Index> faces = cage_gather(level, of, &first->x, r.get());
+        if (!(c.level == CAGE_LEVEL_DEFAULT ? cage_rings_flatten(r.get(), flat * whole.size, tiny * whole.far)
+                                            : cage_rings_subdivide(r.get(), std::max((int)c.level - depth, 0))))
+            throw std::bad_alloc();
+        for (size_t i = 0; i < faces.size(); ++i) sectors[{of.level, faces[i]}] = {r, i};
+    }
+
+    bool give_sector(const sector &s, int corner, const cage_patch *p, taker take, void *user)
+    {
         bool more = true;
-        turning to{p, of.corner, take, user, &more};
-        if (known->second < 0 || !cage_rings_cut(&r, 0, known->second, turn, &to)) throw std::bad_alloc();
+        turning to{p, corner, take, user, &more};
+        cage_rings_cut(s.rings.get(), s.index, turn, &to);
         return more;
     }
 
@@ -400,8 +429,8 @@ class surface
     const bool triangle = c.scheme == CAGE_LOOP;
     std::vector<vertex> points;
     std::vector<int> first_of_level;
-    std::map<std::pair<int, Far::Index>, int> levels_of; /* extraordinary vertices: as many for all of their faces */
-    std::array<std::unique_ptr<matrix>, 32> weights;     /* by the sides that are borders */
+    std::map<std::pair<int, Far::Index>, sector> sectors; /* by level and face: of vertices that are begun */
+    std::array<std::unique_ptr<matrix>, 32> weights;      /* by the sides that are borders */
     const extent whole;
 };
 
