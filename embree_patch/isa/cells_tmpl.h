@@ -89,14 +89,16 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         /* advance would not decide: the whole leaf's certificate has not */
         const w_m fresh = v.live;
         v.live = w_mask(0);
+        v.first = -height;
+        v.last = height;
         w_near here = w_here(&v);
-        w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, fresh);
+        w_fold(leaf, &v, &wait, triangle, &here, &jet, fresh);
         uint32_t live = w_bits(v.live), hit = 0;
         while (live) {
             jet = w_surface_at(net, &v, triangle, m, n, rational);
             here = w_here(&v);
             const w_step step = w_advance(leaf, &v, triangle, 1, &jet);
-            if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, -height, height, step.stuck);
+            if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, step.stuck);
             const w_f t = v.moved + w_fma(step.height, v.inverse, cell);
             const w_m found = w_and(step.hit, w_nearly(&step, v.moved, t, r.tnear, w_set(INFINITY)));
             const uint32_t bits = w_bits(found);

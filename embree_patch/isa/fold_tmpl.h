@@ -32,7 +32,7 @@
  *                       + |A^-1| (warp_st e²/2 + noise_st + bend_st Q (e + 3/2 Q)),
  *
  * for l there is within |a| h of the root's. Intervals end where l leaves the domain or the old neighbourhood by more
- * than Q, and with the leaf or the ray's cell. */
+ * than Q, and where that ends along the ray. If one is left that is no smaller it is halved. */
 
 /* K x y of a quadratic form. */
 EP_INLINE w_f w_form(const w_f k[3], const w_f x[2], const w_f y[2])
@@ -72,22 +72,22 @@ EP_INLINE w_parts w_quadratic(w_f c0, w_f c1, w_f c2, w_f p, w_f w, w_m descendi
     return r;
 }
 
-/* A neighbourhood. */
+/* A neighbourhood: all roots are within `radius` of (s, t), and between these heights above the moved origin. */
 typedef struct w_near {
-    w_f s, t, radius;
+    w_f s, t, radius, first, last;
     w_m none; /* certainly no root there */
 } w_near;
 
 /* The one that a ray is at. */
 EP_INLINE w_near w_here(const w_visit *v)
 {
-    return (w_near){v->s, v->t, v->radius, w_mask(0)};
+    return (w_near){v->s, v->t, v->radius, v->first, v->last, w_mask(0)};
 }
 
 /* What the neighbourhoods of both parts share. */
 typedef struct w_folded {
     w_f s, t, e;                   /* the old neighbourhood     */
-    w_f from, to;                  /* all of the way            */
+    w_f near, from, to;            /* tau0, all of the way      */
     w_f a[2], d0[2];               /* l                         */
     w_f bend[2][3];                /* A^-1 H_st / 2             */
     w_f along, q;                  /* radius = along h + q about l ...                       */
@@ -106,6 +106,9 @@ EP_INLINE w_near w_unfold(const w_folded *f, int triangle, w_f from, w_f to)
     const w_m curve = w_lt(curved, straight);
     const w_f d_s = w_select(curve, l[0] - w_form(f->bend[0], l, l), l[0]);
     const w_f d_t = w_select(curve, l[1] - w_form(f->bend[1], l, l), l[1]);
+    const w_f ends = w_set(0x1p-20f) * (w_abs(f->near) + w_max(w_abs(from), w_abs(to)));
+    n.first = (f->near + from) - ends;
+    n.last = (f->near + to) + ends;
     n.s = f->s + d_s;
     n.t = f->t + d_t;
     n.radius = w_min(straight, curved);
@@ -116,45 +119,75 @@ EP_INLINE w_near w_unfold(const w_folded *f, int triangle, w_f from, w_f to)
     return n;
 }
 
-/* Neighbourhoods that wait, the next one first. */
-#define EP_WAITING 2
+/* Neighbourhoods that wait, the next one first: no more of them than the steps in which one may be divided. */
+#define EP_WAITING 3
 typedef struct w_stack {
-    w_f s[EP_WAITING], t[EP_WAITING], radius[EP_WAITING];
+    w_near near[EP_WAITING];
+    w_f parts[EP_WAITING];
     w_m full[EP_WAITING];
 } w_stack;
 
 EP_INLINE w_stack w_empty(void)
 {
     w_stack wait;
+    const w_f zero = w_set(0.0f);
     for (int k = 0; k < EP_WAITING; ++k) {
-        wait.s[k] = wait.t[k] = wait.radius[k] = w_set(0.0f);
+        wait.near[k] = (w_near){zero, zero, zero, zero, zero, w_mask(0)};
+        wait.parts[k] = zero;
         wait.full[k] = w_mask(0);
     }
     return wait;
 }
 
+EP_INLINE w_near w_choose(w_m m, const w_near *a, const w_near *b)
+{
+    return (w_near){w_select(m, a->s, b->s),           w_select(m, a->t, b->t),
+                    w_select(m, a->radius, b->radius), w_select(m, a->first, b->first),
+                    w_select(m, a->last, b->last),     w_or(w_and(m, a->none), w_andnot(b->none, m))};
+}
+
+/* The lanes in `on` are at `near`. */
+EP_INLINE void w_be_at(w_visit *v, const w_near *near, w_f parts, w_m on)
+{
+    v->live = w_or(v->live, on);
+    v->s = w_select(on, near->s, v->s);
+    v->t = w_select(on, near->t, v->t);
+    v->radius = w_select(on, near->radius, v->radius);
+    v->first = w_select(on, near->first, v->first);
+    v->last = w_select(on, near->last, v->last);
+    v->parts = w_select(on, parts, v->parts);
+}
+
 /* The lanes in `open` go on with what is in `near`; where that is two neighbourhoods, with the first. Those that have
- * no room for the second are slow. */
+ * been divided too often are slow. */
 EP_INLINE void w_go_on(w_visit *v, w_stack *wait, const w_near near[2], w_m open)
 {
-    const w_m two = w_andnot(w_andnot(open, near[0].none), near[1].none), over = w_and(two, wait->full[EP_WAITING - 1]);
-    const w_m on = w_andnot(open, over), push = w_andnot(two, over);
+    const w_m two = w_andnot(w_andnot(open, near[0].none), near[1].none);
+    const w_m over = w_and(two, w_le(w_set(EP_WAITING), v->parts)), push = w_andnot(two, over);
+    const w_near next = w_choose(near[0].none, &near[1], &near[0]);
+    const w_f parts = w_select(push, v->parts + w_set(1.0f), v->parts);
     v->slow = w_or(v->slow, over);
-    v->live = w_or(v->live, on);
-    v->s = w_select(on, w_select(near[0].none, near[1].s, near[0].s), v->s);
-    v->t = w_select(on, w_select(near[0].none, near[1].t, near[0].t), v->t);
-    v->radius = w_select(on, w_select(near[0].none, near[1].radius, near[0].radius), v->radius);
+    w_be_at(v, &next, parts, w_andnot(open, over));
     if (!w_bits(push)) return;
     for (int k = EP_WAITING - 1; k > 0; --k) {
-        wait->s[k] = w_select(push, wait->s[k - 1], wait->s[k]);
-        wait->t[k] = w_select(push, wait->t[k - 1], wait->t[k]);
-        wait->radius[k] = w_select(push, wait->radius[k - 1], wait->radius[k]);
+        wait->near[k] = w_choose(push, &wait->near[k - 1], &wait->near[k]);
+        wait->parts[k] = w_select(push, wait->parts[k - 1], wait->parts[k]);
         wait->full[k] = w_or(w_and(push, wait->full[k - 1]), w_andnot(wait->full[k], push));
     }
-    wait->s[0] = w_select(push, near[1].s, wait->s[0]);
-    wait->t[0] = w_select(push, near[1].t, wait->t[0]);
-    wait->radius[0] = w_select(push, near[1].radius, wait->radius[0]);
+    wait->near[0] = w_choose(push, &near[1], &wait->near[0]);
+    wait->parts[0] = w_select(push, parts, wait->parts[0]);
     wait->full[0] = w_or(wait->full[0], push);
+}
+
+/* Takes the next one away, where it is in `pop`. */
+EP_INLINE void w_pop(w_stack *wait, w_m pop)
+{
+    for (int k = 0; k < EP_WAITING; ++k) {
+        const int from = k + 1 < EP_WAITING ? k + 1 : k;
+        wait->near[k] = w_choose(pop, &wait->near[from], &wait->near[k]);
+        wait->parts[k] = w_select(pop, wait->parts[from], wait->parts[k]);
+        wait->full[k] = w_or(from > k ? w_and(pop, wait->full[from]) : w_mask(0), w_andnot(wait->full[k], pop));
+    }
 }
 
 /* Those in `done` that have no neighbourhood any more go on with the next one. */
@@ -162,24 +195,21 @@ EP_INLINE void w_next(w_visit *v, w_stack *wait, w_m done)
 {
     const w_m pop = w_andnot(w_and(done, wait->full[0]), w_or(v->live, v->slow));
     if (!w_bits(pop)) return;
-    v->s = w_select(pop, wait->s[0], v->s);
-    v->t = w_select(pop, wait->t[0], v->t);
-    v->radius = w_select(pop, wait->radius[0], v->radius);
-    v->live = w_or(v->live, pop);
-    for (int k = 0; k < EP_WAITING; ++k) {
-        const int from = k + 1 < EP_WAITING ? k + 1 : k;
-        wait->s[k] = w_select(pop, wait->s[from], wait->s[k]);
-        wait->t[k] = w_select(pop, wait->t[from], wait->t[k]);
-        wait->radius[k] = w_select(pop, wait->radius[from], wait->radius[k]);
-        wait->full[k] = w_or(from > k ? w_and(pop, wait->full[from]) : w_mask(0), w_andnot(wait->full[k], pop));
-    }
+    w_be_at(v, &wait->near[0], wait->parts[0], pop);
+    w_pop(wait, pop);
 }
 
-/* For the lanes in `stuck`, whose neighbourhood `here` does not shrink, `j` being the jet there, and roots with tau
- * between `first` and `last`: goes on with what is left of it, the nearer part along the ray first. Lanes without any
- * leave; those that this does not help are slow. */
+/* Both are smaller than `limit`, or have no root. */
+EP_INLINE w_m w_shrinks(const w_near near[2], w_f limit)
+{
+    return w_and(w_or(near[0].none, w_lt(near[0].radius, limit)), w_or(near[1].none, w_lt(near[1].radius, limit)));
+}
+
+/* For the lanes in `stuck`, whose neighbourhood `here` does not shrink, `j` being the jet there: goes on with what is
+ * left of it, the nearer part along the ray first. If that is one part and does not shrink it is halved. Lanes without
+ * any leave; those that this does not help are slow. */
 EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triangle, const w_near *here,
-                      const w_surface *j, w_f first, w_f last, w_m stuck)
+                      const w_surface *j, w_m stuck)
 {
     const w_f zero = w_set(0.0f), one = w_set(1.0f), half = w_set(0.5f), outward = w_set(EP_OUTWARD);
     const w_f little = w_set(0x1p-20f);
@@ -187,8 +217,8 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
     const w_f inverse = one / w_fnma(j->dt.x, j->ds.y, j->ds.x * j->dt.y), size = w_abs(inverse);
     const w_f i = w_max(w_abs(j->dt.y) + w_abs(j->dt.x), w_abs(j->ds.y) + w_abs(j->ds.x)) * size * outward;
     /* where the ray comes nearest to y's foot */
-    const w_f pp = w_fma(v->p_t, v->p_t, v->p_s * v->p_s);
-    const w_f near = w_fma(v->p_t, j->at.y, v->p_s * j->at.x) / pp;
+    const w_f per = one / w_fma(v->p_t, v->p_t, v->p_s * v->p_s);
+    const w_f near = w_fma(v->p_t, j->at.y, v->p_s * j->at.x) * per;
     const w_f beside_s = w_fnma(v->p_s, near, j->at.x), beside_t = w_fnma(v->p_t, near, j->at.y);
     f.a[0] = w_fnma(j->dt.x, v->p_t, j->dt.y * v->p_s) * inverse;
     f.a[1] = w_fnma(j->ds.y, v->p_s, j->ds.x * v->p_t) * inverse;
@@ -218,8 +248,9 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
 
     /* l is within q of the domain, and of the old neighbourhood */
     w_f q = i * w_fma(bend_st, half * outward * (f.e * f.e), noise_st);
-    f.from = first - near;
-    f.to = last - near;
+    f.near = near;
+    f.from = here->first - near;
+    f.to = here->last - near;
     const w_f slack = q + w_fma(little, d0, little);
     w_clip_domain(triangle, f.s + f.d0[0], f.t + f.d0[1], f.a[0], f.a[1], slack, &f.from, &f.to);
     w_clip_slab(f.d0[0], f.a[0], -f.e - slack, f.e + slack, &f.from, &f.to);
@@ -247,19 +278,30 @@ EP_INLINE void w_fold(const ep_leaf *leaf, w_visit *v, w_stack *wait, int triang
 
     const w_f warp = w_fma(curved * i * bend_st, most, w_fma(b, warp_st, warp_h));
     const w_f error = w_fma(curved * i * noise_st, most, w_fma(b, noise_st, noise_h)) + little * terms;
-    const w_f z = i * bend_st * (half * f.e), grow = one / (one - z), strong = warp * grow * grow * outward;
+    const w_f z = i * bend_st * (half * f.e), grow = w_fma(z, w_set(2.0f), one); /* 1 / (1 - z) is less, if z <= 1/2 */
+    const w_f strong = warp * grow * grow * outward;
     const w_f w2 = w_set(0.625f) * strong * (a * a), off = w_fma(i, noise_st, d0);
     const w_m relative = w_and(w_lt(z, half), w_lt(w2, w_set(0.75f) * w_abs(c2)));
     const w_f p = w_select(relative, w_fma(w_set(2.5f) * strong, off * off, error), w_fma(warp, half_e2, error));
-    const w_parts parts = w_quadratic(c0, c1, c2, p, w_select(relative, w2, zero), w_lt(v->inverse, zero));
-
+    const w_m descending = w_lt(v->inverse, zero);
+    const w_parts parts = w_quadratic(c0, c1, c2, p, w_select(relative, w2, zero), descending);
     w_near both[2] = {w_unfold(&f, triangle, parts.from[0], parts.to[0]),
                       w_unfold(&f, triangle, parts.from[1], parts.to[1])};
     both[1].none = w_or(both[1].none, w_andnot(stuck, parts.two));
-    const w_m left = w_andnot(stuck, w_or(parts.none, w_and(both[0].none, both[1].none)));
+    w_m left = w_andnot(stuck, w_or(parts.none, w_and(both[0].none, both[1].none)));
     const w_f limit = w_set(0.75f) * here->radius;
-    const w_m shrinks =
-        w_and(w_or(both[0].none, w_lt(both[0].radius, limit)), w_or(both[1].none, w_lt(both[1].radius, limit)));
+    w_m shrinks = w_shrinks(both, limit);
+    const w_m alone = w_andnot(w_andnot(left, shrinks), w_andnot(w_andnot(left, both[0].none), both[1].none));
+    if (w_bits(alone)) {
+        const w_f from = w_max(w_select(both[0].none, parts.from[1], parts.from[0]), f.from);
+        const w_f to = w_min(w_select(both[0].none, parts.to[1], parts.to[0]), f.to), middle = half * (from + to);
+        const w_near lower = w_unfold(&f, triangle, from, middle), upper = w_unfold(&f, triangle, middle, to);
+        const w_near nearer = w_choose(descending, &upper, &lower), other = w_choose(descending, &lower, &upper);
+        both[0] = w_choose(alone, &nearer, &both[0]);
+        both[1] = w_choose(alone, &other, &both[1]);
+        shrinks = w_shrinks(both, limit);
+        left = w_andnot(left, w_and(both[0].none, both[1].none));
+    }
     v->slow = w_or(v->slow, w_andnot(left, shrinks));
     w_go_on(v, wait, both, w_and(left, shrinks));
 }

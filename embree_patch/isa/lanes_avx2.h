@@ -69,6 +69,10 @@ static inline w_f w_sqrt(w_f a)
 {
     return _mm256_sqrt_ps(a);
 }
+static inline w_f w_permute(w_f a, const int *from)
+{
+    return _mm256_permutevar8x32_ps(a, _mm256_loadu_si256((const __m256i *)from));
+}
 static inline uint32_t w_bits(w_m m)
 {
     return (uint32_t)_mm256_movemask_ps(m);

@@ -73,6 +73,10 @@ static inline w_f w_sqrt(w_f a)
 {
     return _mm512_sqrt_ps(a);
 }
+static inline w_f w_permute(w_f a, const int *from)
+{
+    return _mm512_permutexvar_ps(_mm512_loadu_si512(from), a);
+}
 static inline uint32_t w_bits(w_m m)
 {
     return m;

@@ -90,6 +90,11 @@ static inline w_f w_sqrt(w_f a)
 {
     return (w_f){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])};
 }
+/* Lane k of what is returned is lane from[k] of a. */
+static inline w_f w_permute(w_f a, const int *from)
+{
+    return (w_f){a[from[0]], a[from[1]], a[from[2]], a[from[3]]};
+}
 static inline uint32_t w_bits(w_m m)
 {
     return (m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8);

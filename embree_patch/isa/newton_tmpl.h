@@ -60,6 +60,9 @@ typedef struct w_visit {
     w_f noise_st, noise_h; /* rounding of F, where rays may be as good as parallel to the leaf */
     w_f s, t;              /* where to evaluate next                                      */
     w_f radius;            /* all roots are within this of it                             */
+    w_f first, last;       /* fold_tmpl.h: between these heights above the moved origin   */
+    w_f parts;             /* ... and in how many steps that has been divided             */
+    w_f tnear;             /* the ray's                                                   */
     w_m live;              /* neither certified to miss nor slow                          */
     w_m slow;
 } w_visit;
@@ -145,19 +148,23 @@ EP_INLINE w_linear w_solve_grazing(const w_visit *v, const w_surface *j)
 {
     const w_f one = w_set(1.0f);
     w_linear l = {.ss = j->ds.x, .st = j->dt.x, .ts = j->ds.y, .tt = j->dt.y};
-    l.inverse = one / w_fnma(l.st, l.ts, l.ss * l.tt);
-    l.a_s = w_fnma(l.st, v->p_t, l.tt * v->p_s) * l.inverse;
-    l.a_t = w_fnma(l.ts, v->p_s, l.ss * v->p_t) * l.inverse;
+    const w_f det = w_fnma(l.st, l.ts, l.ss * l.tt);
+    const w_f det_a_s = w_fnma(l.st, v->p_t, l.tt * v->p_s), det_a_t = w_fnma(l.ts, v->p_s, l.ss * v->p_t);
+    /* 1 - g a, times the determinant: one quotient does not wait for the other */
+    const w_f over = one / w_fnma(j->dt.z, det_a_t, w_fnma(j->ds.z, det_a_s, det));
+    l.inverse = one / det;
+    l.a_s = det_a_s * l.inverse;
+    l.a_t = det_a_t * l.inverse;
+    l.over = det * over;
     const w_f b_s = w_fnma(j->dt.z, l.ts, j->ds.z * l.tt) * l.inverse;
     const w_f b_t = w_fnma(j->ds.z, l.st, j->dt.z * l.ss) * l.inverse;
-    l.over = one / w_fnma(j->dt.z, l.a_t, w_fnma(j->ds.z, l.a_s, one));
-    const w_f pp = w_fma(v->p_t, v->p_t, w_fma(v->p_s, v->p_s, one));
-    const w_f near = w_fma(v->p_t, j->at.y, w_fma(v->p_s, j->at.x, j->at.z)) / pp;
+    const w_f per = one / w_fma(v->p_t, v->p_t, w_fma(v->p_s, v->p_s, one));
+    const w_f near = w_fma(v->p_t, j->at.y, w_fma(v->p_s, j->at.x, j->at.z)) * per;
     const w_3 c = w_answer(&l, j, w_fnma(v->p_s, near, j->at.x), w_fnma(v->p_t, near, j->at.y), j->at.z - near);
     l.c_s = c.x;
     l.c_t = c.y;
     l.height = near + c.z;
-    const w_f q_s = l.a_s * l.over, q_t = l.a_t * l.over;
+    const w_f q_s = det_a_s * over, q_t = det_a_t * over;
     l.i = w_max(w_abs(w_fma(q_s, b_s, l.tt * l.inverse)) + w_abs(w_fma(q_s, b_t, -l.st * l.inverse)),
                 w_abs(w_fma(q_t, b_s, -l.ts * l.inverse)) + w_abs(w_fma(q_t, b_t, l.ss * l.inverse)));
     l.q = w_max(w_abs(q_s), w_abs(q_t));
