@@ -108,7 +108,7 @@ static uint32_t search_patch(const ep_query *outer, uint32_t patch, uint32_t act
     ep_query q = *outer;
     q.hierarchy = &only;
     q.leaf = &whole;
-    return ep_search(&q, active, ep_counters());
+    return ep_search(&q, active, 0, NULL, ep_counters());
 }
 
 /* A packet that has entered a patch's box. */

@@ -27,9 +27,8 @@ static __attribute__((noinline)) uint32_t answer(const ep_query *q, ep_outcome o
                                                  EPCounters *counters)
 {
     const uint32_t front = o.tie | o.vague ? settle(q, &o, c) : o.hit;
-    uint32_t accepted = front ? ep_offer(q, front, c) : 0;
-    if (o.slow) accepted |= ep_search(q, o.slow, counters);
-    return accepted;
+    if (o.slow) return ep_search(q, o.slow, front, c, counters);
+    return front ? ep_offer(q, front, c) : 0;
 }
 
 static inline bool is_open(ep_outcome o)

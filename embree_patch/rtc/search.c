@@ -158,72 +158,109 @@ static void take_cells(search *s, const ep_cells *cells, unsigned first, float f
     }
 }
 
-static void swap_roots(unsigned n, unsigned lane, ep_candidates c[2])
-{
-    const float t = c[0].t[lane];
-    c[0].t[lane] = c[1].t[lane];
-    c[1].t[lane] = t;
-    for (unsigned f = 0; f < 5; ++f) {
-        const float field = c[0].hit[f * n + lane];
-        c[0].hit[f * n + lane] = c[1].hit[f * n + lane];
-        c[1].hit[f * n + lane] = field;
-    }
-}
+/* The roots of rays that the tangent kernel is asked about; those in the first place are among the packet's candidates,
+ * those in the second are `other`. */
+typedef struct pair {
+    ep_roots roots;
+    ep_candidates *c, other;
+    float extent;
+} pair;
 
-/* Finds vague roots again in double; lanes where one is lost are open. */
-static void polish_roots(const ep_query *q, ep_roots *roots, ep_candidates c[2], float extent)
+/* Finds vague roots in place k again in double; lanes where one is lost are open. */
+static void polish_roots(const ep_query *q, pair *p, unsigned k, uint32_t lanes)
 {
-    for (unsigned k = 0; k < 2; ++k)
-        for (uint32_t rest = roots->vague[k] & ~roots->open; rest; rest &= rest - 1) {
-            const unsigned lane = (unsigned)__builtin_ctz(rest);
-            const ep_polished found = ep_polish_candidate(q, lane, &c[k]);
-            if (found == EP_POLISHED) roots->radius[k][lane] = exact_radius / extent;
-            else roots->hit[k] &= ~(1u << lane);
-            if (found == EP_POLISHED_LOST) roots->open |= 1u << lane;
-        }
-}
-
-/* Where a ray has two roots the nearer one becomes the first, or the only one if they are the same. */
-static void order_roots(unsigned n, ep_roots *roots, ep_candidates c[2], float extent)
-{
-    for (uint32_t rest = roots->hit[0] & roots->hit[1]; rest; rest &= rest - 1) {
+    ep_roots *roots = &p->roots;
+    for (uint32_t rest = roots->vague[k] & lanes & ~roots->open; rest; rest &= rest - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(rest);
-        const float near = extent * (roots->radius[0][lane] + roots->radius[1][lane]);
-        const float *a = &c[0].hit[EP_HIT_U * n + lane], *b = &c[1].hit[EP_HIT_U * n + lane];
-        if (fabsf(a[0] - b[0]) <= near && fabsf(a[n] - b[n]) <= near) roots->hit[1] &= ~(1u << lane);
-        else if (c[1].t[lane] < c[0].t[lane]) swap_roots(n, lane, c);
+        const ep_polished found = ep_polish_candidate(q, lane, k ? &p->other : p->c);
+        if (found == EP_POLISHED) roots->radius[k][lane] = exact_radius / p->extent;
+        else roots->hit[k] &= ~(1u << lane);
+        if (found == EP_POLISHED_LOST) roots->open |= 1u << lane;
     }
 }
 
-/* Offers the roots of rays that the kernel has decided, and returns the others. */
-static uint32_t take_roots(const ep_query *q, uint32_t slow, uint32_t *accepted)
+/* Where two roots are the same the second is none. uv: those of the first. */
+static void drop_twins(unsigned n, pair *p, const float *uv)
 {
-    ep_candidates c[2];
-    ep_roots roots = {.t = {c[0].t, c[1].t}, .hits = {c[0].hit, c[1].hit}};
-    const float extent = ep_leaf_extent(q->leaf);
-    q->geometry->kernels->tangent[q->leaf->shape](q->leaf, q->net, q->ray, q->n, slow, &roots);
-    polish_roots(q, &roots, c, extent);
-    order_roots(q->n, &roots, c, extent);
-    for (unsigned k = 0; k < 2; ++k) {
-        uint32_t front = roots.hit[k] & ~roots.open;
-        if (!q->intersect) front &= ~*accepted; /* any hit answers */
-        for (uint32_t rest = front; rest; rest &= rest - 1) {
-            const unsigned lane = (unsigned)__builtin_ctz(rest);
-            if (!ep_in_front(q, lane, &c[k])) front &= ~(1u << lane);
-        }
-        if (front) *accepted |= ep_offer(q, front, &c[k]);
+    for (uint32_t rest = p->roots.hit[0] & p->roots.hit[1]; rest; rest &= rest - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(rest);
+        const float near = p->extent * (p->roots.radius[0][lane] + p->roots.radius[1][lane]);
+        const float *a = &uv[lane], *b = &p->other.hit[EP_HIT_U * n + lane];
+        if (fabsf(a[0] - b[0]) <= near && fabsf(a[n] - b[n]) <= near) p->roots.hit[1] &= ~(1u << lane);
     }
-    return roots.open;
 }
 
-uint32_t ep_search(const ep_query *q, uint32_t slow, EPCounters *counters)
+/* Polished roots may have changed places: the nearer one becomes the first again. */
+static void order_roots(unsigned n, pair *p)
+{
+    for (uint32_t rest = p->roots.hit[0] & p->roots.hit[1]; rest; rest &= rest - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(rest);
+        float *first = &p->c->t[lane], *second = &p->other.t[lane];
+        if (*first <= *second) continue;
+        for (unsigned f = 0; f < 6; ++f) {
+            const float x = *first;
+            *first = *second;
+            *second = x;
+            first = &p->c->hit[f * n + lane];
+            second = &p->other.hit[f * n + lane];
+        }
+    }
+}
+
+/* Those in place k that are in front of what their rays have. */
+static uint32_t front_of(const ep_query *q, const pair *p, unsigned k)
+{
+    uint32_t front = p->roots.hit[k] & ~p->roots.open;
+    for (uint32_t rest = front; rest; rest &= rest - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(rest);
+        if (!ep_in_front(q, lane, k ? &p->other : p->c)) front &= ~(1u << lane);
+    }
+    return front;
+}
+
+/* Offers the packet's candidates in `front`, and the roots of rays that the tangent kernel decides; leaves the others
+ * in *slow. An occlusion query is answered by any root: the second is looked at if the first does not do. Where that is
+ * then lost a filter may be asked about the first again. */
+static uint32_t take_roots(const ep_query *q, uint32_t *slow, uint32_t front, ep_candidates *c)
+{
+    pair p;
+    const unsigned n = q->n;
+    float uv[2 * EP_PACKET];
+    p.c = c;
+    p.extent = ep_leaf_extent(q->leaf);
+    p.roots.t[0] = c->t;
+    p.roots.hits[0] = c->hit;
+    p.roots.t[1] = p.other.t;
+    p.roots.hits[1] = p.other.hit;
+    q->geometry->kernels->tangent[q->leaf->shape](q->leaf, q->net, q->ray, n, *slow, &p.roots);
+    polish_roots(q, &p, 0, *slow);
+    if (q->intersect) {
+        polish_roots(q, &p, 1, *slow);
+        drop_twins(n, &p, c->hit + EP_HIT_U * n);
+        order_roots(n, &p);
+    } else {
+        memcpy(uv, c->hit + EP_HIT_U * n, 2 * n * sizeof *uv);
+    }
+    front |= front_of(q, &p, 0);
+    uint32_t accepted = front ? ep_offer(q, front, c) : 0;
+    if (!q->intersect) {
+        p.roots.hit[1] &= ~accepted;
+        polish_roots(q, &p, 1, ~accepted);
+        drop_twins(n, &p, uv);
+    }
+    front = front_of(q, &p, 1);
+    if (front) accepted |= ep_offer(q, front, &p.other);
+    *slow = p.roots.open & ~(q->intersect ? 0 : accepted);
+    return accepted;
+}
+
+uint32_t ep_search(const ep_query *q, uint32_t slow, uint32_t front, ep_candidates *c, EPCounters *counters)
 {
     enum { RAYS = EP_PACKET / EP_CELLS };
     static const float begin[RAYS] = {-1, -1, -1, -1}, end[RAYS] = {1, 1, 1, 1};
-    uint32_t accepted = 0;
     /* where the parametrisation folds or collapses, kernels cannot decide */
     const bool cut = q->leaf->height < INFINITY && q->leaf->stretch < EP_STRETCH;
-    if (cut) slow = take_roots(q, slow, &accepted);
+    uint32_t accepted = cut ? take_roots(q, &slow, front, c) : front ? ep_offer(q, front, c) : 0;
     while (slow) {
         unsigned lanes[RAYS], count = 0;
         for (; slow && count < RAYS; slow &= slow - 1) lanes[count++] = (unsigned)__builtin_ctz(slow);
