@@ -166,44 +166,42 @@ typedef struct pair {
     float extent;
 } pair;
 
-/* Finds vague roots in place k again in double; lanes where one is lost are open. */
-static void polish_roots(const ep_query *q, pair *p, unsigned k, uint32_t lanes)
+/* Finds vague roots again in double; lanes where one is lost are open. */
+static void polish_roots(const ep_query *q, pair *p)
 {
     ep_roots *roots = &p->roots;
-    for (uint32_t rest = roots->vague[k] & lanes & ~roots->open; rest; rest &= rest - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(rest);
-        const ep_polished found = ep_polish_candidate(q, lane, k ? &p->other : p->c);
-        if (found == EP_POLISHED) roots->radius[k][lane] = exact_radius / p->extent;
-        else roots->hit[k] &= ~(1u << lane);
-        if (found == EP_POLISHED_LOST) roots->open |= 1u << lane;
-    }
+    for (unsigned k = 0; k < 2; ++k)
+        for (uint32_t rest = roots->vague[k] & ~roots->open; rest; rest &= rest - 1) {
+            const unsigned lane = (unsigned)__builtin_ctz(rest);
+            const ep_polished found = ep_polish_candidate(q, lane, k ? &p->other : p->c);
+            if (found == EP_POLISHED) roots->radius[k][lane] = exact_radius / p->extent;
+            else roots->hit[k] &= ~(1u << lane);
+            if (found == EP_POLISHED_LOST) roots->open |= 1u << lane;
+        }
 }
 
-/* Where two roots are the same the second is none. uv: those of the first. */
-static void drop_twins(unsigned n, pair *p, const float *uv)
+static void swap_roots(unsigned n, unsigned lane, pair *p)
 {
-    for (uint32_t rest = p->roots.hit[0] & p->roots.hit[1]; rest; rest &= rest - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(rest);
-        const float near = p->extent * (p->roots.radius[0][lane] + p->roots.radius[1][lane]);
-        const float *a = &uv[lane], *b = &p->other.hit[EP_HIT_U * n + lane];
-        if (fabsf(a[0] - b[0]) <= near && fabsf(a[n] - b[n]) <= near) p->roots.hit[1] &= ~(1u << lane);
+    float *first = &p->c->t[lane], *second = &p->other.t[lane];
+    for (unsigned f = 0; f < 6; ++f) {
+        const float x = *first;
+        *first = *second;
+        *second = x;
+        first = &p->c->hit[f * n + lane];
+        second = &p->other.hit[f * n + lane];
     }
 }
 
-/* Polished roots may have changed places: the nearer one becomes the first again. */
+/* Where a ray has two roots the nearer one becomes the first, or the only one if they are the same. */
 static void order_roots(unsigned n, pair *p)
 {
-    for (uint32_t rest = p->roots.hit[0] & p->roots.hit[1]; rest; rest &= rest - 1) {
+    ep_roots *roots = &p->roots;
+    for (uint32_t rest = roots->hit[0] & roots->hit[1]; rest; rest &= rest - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(rest);
-        float *first = &p->c->t[lane], *second = &p->other.t[lane];
-        if (*first <= *second) continue;
-        for (unsigned f = 0; f < 6; ++f) {
-            const float x = *first;
-            *first = *second;
-            *second = x;
-            first = &p->c->hit[f * n + lane];
-            second = &p->other.hit[f * n + lane];
-        }
+        const float near = p->extent * (roots->radius[0][lane] + roots->radius[1][lane]);
+        const float *a = &p->c->hit[EP_HIT_U * n + lane], *b = &p->other.hit[EP_HIT_U * n + lane];
+        if (fabsf(a[0] - b[0]) <= near && fabsf(a[n] - b[n]) <= near) roots->hit[1] &= ~(1u << lane);
+        else if (p->other.t[lane] < p->c->t[lane]) swap_roots(n, lane, p);
     }
 }
 
@@ -219,38 +217,25 @@ static uint32_t front_of(const ep_query *q, const pair *p, unsigned k)
 }
 
 /* Offers the packet's candidates in `front`, and the roots of rays that the tangent kernel decides; leaves the others
- * in *slow. An occlusion query is answered by any root: the second is looked at if the first does not do. Where that is
- * then lost a filter may be asked about the first again. */
+ * in *slow. */
 static uint32_t take_roots(const ep_query *q, uint32_t *slow, uint32_t front, ep_candidates *c)
 {
     pair p;
-    const unsigned n = q->n;
-    float uv[2 * EP_PACKET];
     p.c = c;
     p.extent = ep_leaf_extent(q->leaf);
     p.roots.t[0] = c->t;
     p.roots.hits[0] = c->hit;
     p.roots.t[1] = p.other.t;
     p.roots.hits[1] = p.other.hit;
-    q->geometry->kernels->tangent[q->leaf->shape](q->leaf, q->net, q->ray, n, *slow, &p.roots);
-    polish_roots(q, &p, 0, *slow);
-    if (q->intersect) {
-        polish_roots(q, &p, 1, *slow);
-        drop_twins(n, &p, c->hit + EP_HIT_U * n);
-        order_roots(n, &p);
-    } else {
-        memcpy(uv, c->hit + EP_HIT_U * n, 2 * n * sizeof *uv);
-    }
+    q->geometry->kernels->tangent[q->leaf->shape](q->leaf, q->net, q->ray, q->n, *slow, &p.roots);
+    polish_roots(q, &p);
+    order_roots(q->n, &p);
     front |= front_of(q, &p, 0);
     uint32_t accepted = front ? ep_offer(q, front, c) : 0;
-    if (!q->intersect) {
-        p.roots.hit[1] &= ~accepted;
-        polish_roots(q, &p, 1, ~accepted);
-        drop_twins(n, &p, uv);
-    }
+    if (!q->intersect) p.roots.hit[1] &= ~accepted; /* any hit answers */
     front = front_of(q, &p, 1);
     if (front) accepted |= ep_offer(q, front, &p.other);
-    *slow = p.roots.open & ~(q->intersect ? 0 : accepted);
+    *slow = p.roots.open;
     return accepted;
 }
 
