@@ -151,14 +151,35 @@ static void doubt(void **state)
     oracle_free(o);
 }
 
+/* Of more roots than there is room for the nearest are kept, and nothing is said of the others. */
+static void too_many_roots(void **state)
+{
+    (void)state;
+    enum { PLANES = 3 * ORACLE_ROOTS };
+    static test_patch planes[PLANES];
+    for (unsigned k = 0; k < PLANES; ++k) {
+        planes[k].shape = (net_shape){false, 1, 1};
+        for (unsigned i = 0; i < 4; ++i) {
+            double *to = planes[k].points[net_index(planes[k].shape, i % 2, i / 2)];
+            to[0] = i % 2, to[1] = i / 2, to[2] = 1 + k * 7 % PLANES, to[3] = 1;
+        }
+    }
+    oracle *o = new_oracle(planes, PLANES);
+    const double org[3] = {0.3, 0.6, 0}, dir[3] = {0, 0, 1};
+    oracle_root roots[ORACLE_ROOTS];
+    assert_int_equal(oracle_intersect(o, org, dir, 0, INFINITY, roots), ORACLE_ROOTS);
+    for (int k = 0; k + 1 < ORACLE_ROOTS; ++k)
+        CHECK(!roots[k].doubtful && fabs(roots[k].t_low - (k + 1)) < 1e-9, "root %d: %.17g", k, roots[k].t_low);
+    const oracle_root *last = &roots[ORACLE_ROOTS - 1];
+    CHECK(last->doubtful && last->t_low <= ORACLE_ROOTS && last->t_high == INFINITY, "the rest: from %g", last->t_low);
+    oracle_free(o);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sphere_of_patches),
-        cmocka_unit_test(sphere_of_triangles),
-        cmocka_unit_test(planted_roots),
-        cmocka_unit_test(all_layers_of_a_fold),
-        cmocka_unit_test(doubt),
+        cmocka_unit_test(sphere_of_patches),    cmocka_unit_test(sphere_of_triangles), cmocka_unit_test(planted_roots),
+        cmocka_unit_test(all_layers_of_a_fold), cmocka_unit_test(too_many_roots),      cmocka_unit_test(doubt),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

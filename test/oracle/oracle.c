@@ -259,6 +259,7 @@ typedef struct query {
     unsigned parts; /* searched in this piece */
     oracle_root *roots;
     size_t count;
+    double left_out; /* the least t_low of a root that there was no room for */
 } query;
 
 typedef struct range {
@@ -308,7 +309,25 @@ static void add_root(query *q, const oracle_root *r)
         old->doubtful = old->doubtful || r->doubtful;
         return;
     }
-    if (q->count < ORACLE_ROOTS) q->roots[q->count++] = *r;
+    if (q->count < ORACLE_ROOTS) {
+        q->roots[q->count++] = *r;
+        return;
+    }
+    oracle_root *last = q->roots;
+    for (oracle_root *k = last + 1; k < q->roots + ORACLE_ROOTS; ++k)
+        if (k->t_low > last->t_low) last = k;
+    q->left_out = fmin(q->left_out, fmax(last->t_low, r->t_low));
+    if (r->t_low < last->t_low) *last = *r;
+}
+
+/* What was left out may be anywhere from its first root on. */
+static void close_list(query *q)
+{
+    if (!(q->left_out < INFINITY)) return;
+    oracle_root *last = &q->roots[ORACLE_ROOTS - 1];
+    last->t_low = fmin(last->t_low, q->left_out);
+    last->t_high = INFINITY;
+    last->doubtful = true;
 }
 
 /* What is known where the surface has the parameters u, v. */
@@ -585,8 +604,9 @@ static int by_t(const void *a, const void *b)
 size_t oracle_intersect(const oracle *o, const double org[3], const double dir[3], double tnear, double tfar,
                         oracle_root roots[ORACLE_ROOTS])
 {
-    query q = {.o = o, .org = org, .dir = dir, .tnear = tnear, .tfar = tfar, .roots = roots};
+    query q = {.o = o, .org = org, .dir = dir, .tnear = tnear, .tfar = tfar, .roots = roots, .left_out = INFINITY};
     if (o->node_count && dot(dir, dir) > 0) walk(&q, 0);
     qsort(roots, q.count, sizeof *roots, by_t);
+    close_list(&q);
     return q.count;
 }

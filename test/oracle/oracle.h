@@ -42,7 +42,8 @@ typedef struct oracle_root {
 
 enum { ORACLE_ROOTS = 128 };
 
-/* All roots with tnear < t < tfar, by t_low; returns their number, at most ORACLE_ROOTS. Any number of threads. */
+/* All roots with tnear < t < tfar, by t_low; returns their number, at most ORACLE_ROOTS. Where there are more, for a
+ * ray in a surface, the last is doubtful and stands for all from it on. Any number of threads. */
 size_t oracle_intersect(const oracle *o, const double org[3], const double dir[3], double tnear, double tfar,
                         oracle_root roots[ORACLE_ROOTS]);
 
