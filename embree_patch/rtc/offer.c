@@ -5,10 +5,8 @@
 
 void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one)
 {
-    ep_gather(packet, lane, EP_RAY_FIELDS, one->ray);
-    one->query = *packet;
-    one->query.ray = one->ray;
-    one->query.n = 1;
+    ep_gather(packet, lane, one->ray);
+    ep_ask_for_one(packet, one);
 }
 
 void ep_take_hit(const ep_query *packet, unsigned lane, ep_lane *one)

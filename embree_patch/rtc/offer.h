@@ -77,8 +77,7 @@ static inline void ep_place_hit(const ep_place *place, float *hit, unsigned n, u
     ep_place_apply(place, hit[EP_HIT_U * n + lane], hit[EP_HIT_V * n + lane], &u, &v);
     hit[EP_HIT_U * n + lane] = (float)u;
     hit[EP_HIT_V * n + lane] = (float)v;
-    for (unsigned k = EP_HIT_NG; k < EP_HIT_NG + 3; ++k)
-        hit[k * n + lane] = (float)(place->scale * hit[k * n + lane]);
+    for (unsigned k = EP_HIT_NG; k < EP_HIT_NG + 3; ++k) hit[k * n + lane] = (float)(place->scale * hit[k * n + lane]);
 }
 
 /* Asks the filters about the hits that `valid` names; `hit` is an RTCHit<n> with its ids. */
@@ -124,18 +123,24 @@ static inline bool ep_offer_one(const ep_query *q, float t, float hit[HIT_FIELDS
     return valid;
 }
 
-/* The first `fields` of a ray of a packet, side by side, as the single-ray kernel loads them. */
-static inline void ep_gather(const ep_query *packet, unsigned lane, unsigned fields, float *ray)
+/* A ray of a packet, its fields side by side, as the single-ray kernel loads them. */
+static inline void ep_gather(const ep_query *packet, unsigned lane, float ray[EP_RAY_FIELDS])
 {
     const unsigned n = packet->n;
     const float *from = packet->ray + lane;
-    unsigned f = 0;
-    for (; f + 4 <= fields; f += 4, from += 4 * n)
+    for (unsigned f = 0; f < EP_RAY_FIELDS; f += 4, from += 4 * n)
         *(ep_quad *)(ray + f) = (ep_quad){from[0], from[n], from[2 * n], from[3 * n]};
-    for (; f < fields; ++f, from += n) ray[f] = from[0];
 }
 
-/* Takes one ray out of a packet, and its hit, which only ep_in_front looks at; puts what it has met back. */
+/* The packet's query, for the ray that was gathered. */
+static inline void ep_ask_for_one(const ep_query *packet, ep_lane *one)
+{
+    one->query = *packet;
+    one->query.ray = one->ray;
+    one->query.n = 1;
+}
+
+/* Takes one ray out of a packet; its hit, too, which only ep_in_front looks at; puts what it has met back. */
 void ep_take_lane(const ep_query *packet, unsigned lane, ep_lane *one);
 void ep_take_hit(const ep_query *packet, unsigned lane, ep_lane *one);
 void ep_put_lane(const ep_lane *one, const ep_query *packet, unsigned lane);

@@ -82,13 +82,12 @@ static uint32_t run_sparse(const ep_query *q, uint32_t active, EPCounters *count
     uint32_t accepted = 0;
     for (; active; active &= active - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(active);
-        alignas(16) float ray[EP_RAY_TFAR + 1];
-        found f;
-        ep_gather(q, lane, EP_RAY_TFAR + 1, ray);
-        meet(q->geometry, q->leaf, q->net, ray, counters, &f);
-        if (!is_open(f.outcome)) continue;
         ep_lane one;
-        ep_take_lane(q, lane, &one);
+        found f;
+        ep_gather(q, lane, one.ray);
+        meet(q->geometry, q->leaf, q->net, one.ray, counters, &f);
+        if (!is_open(f.outcome)) continue;
+        ep_ask_for_one(q, &one);
         if (!is_plain(q->leaf, f.outcome)) ep_take_hit(q, lane, &one);
         if (!take(&one.query, &f, counters)) continue;
         accepted |= 1u << lane;
