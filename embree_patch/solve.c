@@ -160,21 +160,24 @@ static double deviation(const problem *p, const slopes *g)
     return fmax(row0, row1) / fabs(det);
 }
 
-/* A cell's two sides as f sees them, the longer one first: unit vectors e along it and across, and what f and t change
- * by along both. w is one at roots. */
+/* A cell's two sides as the ray sees them, the longer one first: unit vectors e along it and across, and what x = f / w
+ * and t change by along both, times w. */
 typedef struct aspect {
     double e[2][2];
     double more[2], less[2]; /* along e */
     double t_more, t_less;
 } aspect;
 
-/* False when f does not change by more than its rounding. */
-static bool look(const problem *p, const slopes *g, ep_range t, aspect *a)
+/* at: x and t over the cell. False when x does not change by more than its rounding. */
+static bool look(const problem *p, const slopes *g, const ep_range at[3], aspect *a)
 {
     double side[2][2], by[2];
-    for (int k = 0; k < 2; ++k) side[0][k] = ep_mid(g->s[k]), side[1][k] = ep_mid(g->t[k]);
-    by[0] = ep_mid(g->s[2]) - ep_mid(t) * ep_mid(g->s[3]);
-    by[1] = ep_mid(g->t[2]) - ep_mid(t) * ep_mid(g->t[3]);
+    for (int k = 0; k < 2; ++k) {
+        side[0][k] = ep_mid(g->s[k]) - ep_mid(at[k]) * ep_mid(g->s[3]);
+        side[1][k] = ep_mid(g->t[k]) - ep_mid(at[k]) * ep_mid(g->t[3]);
+    }
+    by[0] = ep_mid(g->s[2]) - ep_mid(at[2]) * ep_mid(g->s[3]);
+    by[1] = ep_mid(g->t[2]) - ep_mid(at[2]) * ep_mid(g->t[3]);
     const int m = hypot(side[1][0], side[1][1]) > hypot(side[0][0], side[0][1]);
     const double length = hypot(side[m][0], side[m][1]);
     if (!(length > p->noise)) return false;
@@ -292,7 +295,9 @@ static void clamp(bool triangle, double *s, double *t)
 typedef enum verdict { NO_ROOT, ROOT, UNDECIDED } verdict;
 
 /* Newton in a certified cell, from its middle. Rounding of f displaces roots by up to `slack`, which is much of a cell
- * next to a pole: a root that is outside by no more may be one that the cell beside it takes for this one's. */
+ * next to a pole: a root that is outside by no more may be one that the cell beside it takes for this one's. In other
+ * directions rounding may displace it by much less, so a root is where f is zero as far as it tells; if it is not at the
+ * nearest point of the cell, smaller cells have to decide. */
 static verdict newton(const problem *p, const ep_point *net, double *s, double *t)
 {
     *s = p->kind->middle;
@@ -310,8 +315,11 @@ static verdict newton(const problem *p, const ep_point *net, double *s, double *
         *s += ds;
         *t += dt;
         clamp(p->triangle, s, t);
-        /* what is left is of the order of the square */
-        if (step <= slack) return out <= slack ? ROOT : NO_ROOT;
+        if (step > slack) continue;
+        if (out > slack) return NO_ROOT;
+        p->kind->eval(net, p->m, p->n, *s, *t, &j);
+        if (fmax(fabs(j.p[0]), fabs(j.p[1])) <= 2 * p->noise) return ROOT;
+        if (out > 0) return UNDECIDED;
     }
     return UNDECIDED;
 }
@@ -386,18 +394,20 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         const cell at = stack[--depth];
         if (at.t_low >= before - found * p.small_t) continue;
         p.kind->restrict_to(p.net, p.m, p.n, &at.d, net);
-        ep_range f1 = EP_NOTHING, f2 = f1, t = f1;
+        const ep_range nothing = EP_NOTHING;
+        ep_range f1 = nothing, f2 = nothing, seen[3] = {nothing, nothing, nothing};
         for (size_t i = 0; i < count; ++i) {
             ep_include(&f1, net[i][0]);
             ep_include(&f2, net[i][1]);
-            ep_include(&t, net[i][2] / net[i][3]);
+            for (int k = 0; k < 3; ++k) ep_include(&seen[k], net[i][k] / net[i][3]);
         }
+        ep_range t = seen[2];
         if (f1.lo > p.noise || f1.hi < -p.noise || f2.lo > p.noise || f2.hi < -p.noise) continue;
         if (t0 + t.hi <= after || t0 + t.lo >= before - found * p.small_t) continue;
 
         const slopes g = net_slopes(&p, net);
         aspect a;
-        if (look(&p, &g, t, &a)) {
+        if (look(&p, &g, seen, &a)) {
             if (misses(&p, net, count, &a)) continue;
             narrow(&p, net, count, &a, &t);
         }

@@ -73,6 +73,39 @@ static void within_a_flat_patch(void **state)
     }
 }
 
+/* A triangle that is no more than a line, two of its corners being one point, with weights far apart: in homogeneous
+ * coordinates it is no line, and Newton's method ends beside the domain. What is taken for a root has to be at the ray.
+ */
+static void past_a_line(void **state)
+{
+    (void)state;
+    for (uint64_t k = 0; k < 2000; ++k) {
+        rng r = rng_split(4, 0, k);
+        test_patch p = {.shape = {true, 1, 1}};
+        for (unsigned i = 0; i < 3; ++i) p.points[i][3] = rng_scale(&r, 0.02, 50);
+        for (int c = 0; c < 3; ++c) p.points[1][c] = rng_in(&r, -1, 1);
+        EPGeometry g = new_geometry(&p, 1, NULL);
+        const double at = rng_scale(&r, 1e-4, 1);
+        const int axis = (int)rng_below(&r, 3);
+        float org[3], dir[3] = {0};
+        for (int c = 0; c < 3; ++c) org[c] = (float)(at * p.points[1][c]);
+        org[axis] = 2;
+        dir[axis] = -1;
+        for (size_t i = 0; i < g->hierarchy.leaf_count; ++i) {
+            ep_root root;
+            if (!ep_solve(&g->hierarchy.patches[0], &g->hierarchy.leaves[i], org, dir, 0, INFINITY, &root) ||
+                !root.crossing)
+                continue;
+            double x[3], xu[3], xv[3], off = 0;
+            evaluate_patch(&p, root.u, root.v, x, xu, xv);
+            for (int c = 0; c < 3; ++c) off = fmax(off, fabs(x[c] - (double)org[c] - root.t * (double)dir[c]));
+            CHECK(off < 1e-6, "%s: t %.9g, u %.9g, v %.9g: %.3g off the ray", ray_text(org, dir), root.t, root.u,
+                  root.v, off);
+        }
+        epReleaseGeometry(g);
+    }
+}
+
 /* From up to 2^-9 away, polishing has to end where the surface meets the ray, with the surface's normal there: as well
  * as doubles tell, whatever the number of steps. */
 static void polished_roots(void **state)
@@ -134,6 +167,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(at_the_very_border),
         cmocka_unit_test(within_a_flat_patch),
+        cmocka_unit_test(past_a_line),
         cmocka_unit_test(polished_roots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,6 +21,7 @@ static const double extension = 2 * ORACLE_BORDER;
 static const double smallest = 0x1p-16;  /* sides of a part, of the domain, that is no longer cut */
 static const double rounding = 1e-13;    /* of the patch's radius; double errs by less           */
 static const double newton_slack = 1e-9; /* a root on the border of two parts belongs to both    */
+static const double edge_on = 1e-6;      /* sine between two sides that the ray sees as one line  */
 
 typedef struct patch {
     net_shape shape;
@@ -87,6 +88,8 @@ static bool add_patch(oracle *o, const oracle_patch *in)
         p->centre[c] = lower[c] / 2 + upper[c] / 2;
         p->radius = fmax(p->radius, upper[c] / 2 - lower[c] / 2);
     }
+    /* floats do not tell the points of a smaller one apart */
+    for (int c = 0; c < 3; ++c) p->radius = fmax(p->radius, 0x1p-24 * fabs(p->centre[c]));
     for (size_t k = 0; k < count; ++k) {
         const double *x = in->points + 4 * k;
         for (int c = 0; c < 3; ++c) q[k][c] = x[3] * (x[c] - p->centre[c]);
@@ -449,11 +452,13 @@ static bool may_touch(const image *i, double slack)
 }
 
 /* At most one root: the derivative deviates from its middle J by less than half of it, |J^-1 (DF - J)| <= 1/2, its
- * rounding `noise` included. Then J^-1 F is nearly the identity, and its hull says well whether there is a root. */
+ * rounding `noise` included. Then J^-1 F is nearly the identity, and its hull says well whether there is a root. Where
+ * the ray sees the part as a line, near misses are doubtful, and not to be told so well. */
 static bool one_at_most(const slopes *d, double noise, double inverse[2][2])
 {
     const double det = d->mid[0][0] * d->mid[1][1] - d->mid[0][1] * d->mid[1][0];
-    if (det == 0) return false;
+    const double sides = hypot(d->mid[0][0], d->mid[1][0]) * hypot(d->mid[0][1], d->mid[1][1]);
+    if (!(fabs(det) > edge_on * sides)) return false;
     inverse[0][0] = d->mid[1][1] / det, inverse[0][1] = -d->mid[0][1] / det;
     inverse[1][0] = -d->mid[1][0] / det, inverse[1][1] = d->mid[0][0] / det;
     for (int k = 0; k < 2; ++k) {
