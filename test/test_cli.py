@@ -1703,6 +1703,19 @@ def test_cad_gaps():
     check(all(h[3] == MISS for h in trace(gaps, outside)), "gaps.brep: faces reach too far")
 
 
+def test_cad_narrow():
+    """What is narrower than the gap at its edges does not open; and offset surfaces, of which there is no more than what
+    the file has."""
+    slit = [(s, s) for s in (2.4, 3.1, 3.7, 4.4)]
+    check(all(h[3] == 0 for h in trace(os.path.join(CAD, "slit.brep"), [down(x, y, 3) for x, y in slit])), "the slit is open")
+    hits = trace(os.path.join(CAD, "comb.brep"), [down(.001 * i, 1, 3) for i in range(-100, 101)])
+    notch = [i for i, h in enumerate(hits, -100) if h[3] == MISS]
+    check(notch and max(map(abs, notch)) <= 5, f"the notch goes to {notch}")
+    spread = random.Random(72)
+    rays = [(0, 0, 3, 0, *(spread.gauss(0, 1) for _ in range(3)), math.inf) for _ in range(1000)]
+    check(all(h[3] == 0 for h in trace(os.path.join(CAD, "shell.brep"), rays)), "shell.brep is open")
+
+
 def test_bad_cad():
     for name in ("empty.step", "empty.iges", "empty.brep", "words.step", "words.igs", "words.brep"):
         refuses(Run("info", write(name, "" if "empty" in name else "some words\n" * 9)), 1,

@@ -17,6 +17,8 @@
 #ifdef __linux__
 #include <sys/prctl.h>
 #endif
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -76,8 +78,19 @@ static void die_with_parent(pid_t parent)
     if (getppid() != parent) _exit(1);
 }
 
+/* OpenCASCADE goes round in circles in some damaged files. Large ones take a second for a megabyte or two. */
+static void limit_time(const char *path)
+{
+    enum { SECONDS = 60, SECONDS_A_MEGABYTE = 20 };
+    struct stat file;
+    const rlim_t size = stat(path, &file) == 0 ? (rlim_t)file.st_size : 0;
+    const rlim_t seconds = SECONDS + SECONDS_A_MEGABYTE * (size >> 20);
+    setrlimit(RLIMIT_CPU, &(struct rlimit){seconds, seconds + 1});
+}
+
 static void serve(reader read, const char *path, cad_format format, int pipe)
 {
+    limit_time(path);
     FILE *to = fdopen(pipe, "wb");
     const int nowhere = open("/dev/null", O_WRONLY);
     if (!to || nowhere < 0 || dup2(nowhere, STDOUT_FILENO) < 0 || dup2(nowhere, STDERR_FILENO) < 0) _exit(1);
@@ -176,13 +189,13 @@ const char *cad_read(const char *path, cad_format format, cad_taker take, void *
     free(in.blocks);
     if (in.from) fclose(in.from);
     else close(ends[0]);
+    int status = 0;
     if (child > 0) {
         kill(child, SIGKILL); /* it may still have something to say, or be lost */
-        waitpid(child, NULL, 0);
+        waitpid(child, &status, 0);
     }
-    if (is_complete) snprintf(problem, sizeof problem, "%s", e.text);
-    else
-        snprintf(problem, sizeof problem, "%s",
-                 in.from && !in.no_memory ? "OpenCASCADE crashes on it" : "out of memory");
+    const char *end = in.from && !in.no_memory ? "OpenCASCADE crashes on it" : "out of memory";
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) end = "OpenCASCADE comes to no end with it";
+    snprintf(problem, sizeof problem, "%s", is_complete ? e.text : end);
     return problem[0] ? problem : NULL;
 }

@@ -31,6 +31,7 @@ constexpr int last_sample = 16;
 constexpr double between = 1.25; /* what may be missed between two samples */
 constexpr double past_own = 2, past_other = 0.5;
 constexpr double rounding = 0x1p-44; /* of coordinates: no gap */
+constexpr size_t most = 8;           /* other faces: in a book of thousands that is enough */
 
 /* Where the edge is nearest to p, from t on by Newton's method. */
 gp_Pnt nearest(const Handle(Geom_Curve) & c, double from, double to, double t, const gp_Pnt &p)
@@ -93,7 +94,7 @@ std::vector<edge_gap> measure_gaps(const TopoDS_Edge &edge, const TopoDS_Face &f
     if (!own.known() || !BRep_Tool::SameRange(edge)) return {{said, said}};
     std::vector<edge_side> others;
     if (faces.Contains(edge))
-        for (TopTools_ListIteratorOfListOfShape f(faces.FindFromKey(edge)); f.More(); f.Next())
+        for (TopTools_ListIteratorOfListOfShape f(faces.FindFromKey(edge)); f.More() && others.size() < most; f.Next())
             if (!f.Value().IsSame(face)) others.emplace_back(edge, TopoDS::Face(f.Value()));
     std::vector<edge_gap> all(last_sample + 1, {0, 0});
     for (int i = 0; i <= last_sample; ++i) {

@@ -116,6 +116,8 @@ net convert_curve(const Handle(Geom_Curve) & c, range &r, std::optional<arcs> &a
     if (const auto b = Handle(Geom_BSplineCurve)::DownCast(c)) return spline_curve(b, r);
     if (const auto b = Handle(Geom_BezierCurve)::DownCast(c))
         return spline_curve(GeomConvert::CurveToBSplineCurve(b), r);
+    if (!c->IsPeriodic()) r = {std::max(r.low, c->FirstParameter()), std::min(r.high, c->LastParameter())};
+    if (!(r.size() > 0)) throw unusable("it has no area in its parameters");
     const Handle(Geom_TrimmedCurve) part = new Geom_TrimmedCurve(c, r.low, r.high);
     GeomConvert_ApproxCurve a(part, tolerance(part->StartPoint(), part->EndPoint()), GeomAbs_C2, 100, 9);
     if (!a.HasResult()) throw unusable("its curve cannot be approximated");
@@ -227,12 +229,19 @@ surface offset(const Handle(Geom_OffsetSurface) & o, const range box[2])
 {
     const Handle(Geom_Surface) exact = o->Surface();
     if (!exact.IsNull() && is_same(o, exact, box)) return convert(exact, box);
-    const Handle(Geom_Surface) part =
-        new Geom_RectangularTrimmedSurface(o, box[0].low, box[0].high, box[1].low, box[1].high);
-    const gp_Pnt begin = part->Value(box[0].low, box[1].low), end = part->Value(box[0].high, box[1].high);
+    range whole[2], r[2];
+    o->Bounds(whole[0].low, whole[0].high, whole[1].low, whole[1].high);
+    for (int d = 0; d < 2; ++d) {
+        r[d] = box[d];
+        if (d ? o->IsVPeriodic() : o->IsUPeriodic()) continue;
+        r[d] = {std::max(r[d].low, whole[d].low), std::min(r[d].high, whole[d].high)};
+        if (!(r[d].size() > 0)) throw unusable("it has no area in its parameters");
+    }
+    const Handle(Geom_Surface) part = new Geom_RectangularTrimmedSurface(o, r[0].low, r[0].high, r[1].low, r[1].high);
+    const gp_Pnt begin = part->Value(r[0].low, r[1].low), end = part->Value(r[0].high, r[1].high);
     GeomConvert_ApproxSurface a(part, tolerance(begin, end), GeomAbs_C1, GeomAbs_C1, 9, 9, 100, 1);
     if (!a.HasResult()) throw unusable("its surface, an offset, cannot be approximated");
-    return spline(a.Surface(), box);
+    return spline(a.Surface(), r);
 }
 
 } // namespace

@@ -72,6 +72,8 @@ double twice_area(const polygon &of)
 bool is_inside(const polygon &of, const gp_XY &x)
 {
     const std::vector<gp_XY> &p = of.points;
+    if (x.X() < of.box[0].low || x.X() > of.box[0].high || x.Y() < of.box[1].low || x.Y() > of.box[1].high)
+        return false;
     bool inside = false;
     for (size_t i = 0; i < p.size(); ++i) {
         const gp_XY &a = p[i], &b = p[(i + 1) % p.size()];
@@ -95,10 +97,13 @@ bool is_within(const polygon &p, const polygon &other)
 class widening
 {
   public:
-    /* `outside`: 1 where that is on the right of the sides, else -1. */
-    widening(const loop &l, double outside, const polygon &about, const Handle(Geom_Surface) & s)
-        : l(l), outside(outside), s(s)
+    /* Of loop `index`, among the outlines of all of the face's. `outside`: 1 where that is on the right of the sides,
+     * else -1. */
+    widening(const loop &of, double outside, const std::vector<polygon> &all, size_t index,
+             const Handle(Geom_Surface) & s)
+        : l(of), outside(outside), s(s)
     {
+        const polygon &about = all[index];
         double longest[2] = {0, 0};
         for (const gp_XY &p : about.points) {
             gp_Pnt at;
@@ -113,6 +118,8 @@ class widening
             limit[d] = farthest * about.box[d].size();
             usable = usable && least[d] > 0 && std::isfinite(least[d]);
         }
+        for (side &c : l)
+            if (usable && comes_back(c, all)) c.short_of = {{0, 0}};
         for (const side &c : l) out.push_back(out_of(c));
         for (size_t turn = 0; turn < 2 * l.size(); ++turn) align(turn % l.size());
     }
@@ -147,6 +154,28 @@ class widening
         return most;
     }
 
+    /* Does twice the way out of a side lead to the face again? Then what is there, a slit, a slot, or the rest of a
+     * loop that touches this one, is narrower than the gap; if both of its sides moved, they would change places. Asked
+     * at corners of the outline, or between those of a straight side. */
+    bool comes_back(const side &c, const std::vector<polygon> &all) const
+    {
+        size_t asked = 0, back = 0;
+        const int parts = is_straight(c.along) ? 8 : 2;
+        for (int i = 1; i < c.along->NbKnots(); ++i)
+            for (int k = 1; k < parts; ++k) {
+                const double t = c.along->Knot(i) + (c.along->Knot(i + 1) - c.along->Knot(i)) * k / parts;
+                const normal m = normal_at(c.along, t);
+                if (!(m.square() > 0 && distance(c, t) > 0)) continue;
+                const gp_XY way = limited(m.way * (distance(c, t) / std::sqrt(m.square())));
+                const gp_XY at = c.along->Value(t).XY() + way * 2;
+                bool on_face = false;
+                for (const polygon &p : all) on_face ^= is_inside(p, at);
+                ++asked;
+                back += on_face;
+            }
+        return 3 * back > asked;
+    }
+
     size_t before(size_t i) const { return (i + l.size() - 1) % l.size(); }
 
     normal normal_at(const curve &c, double t) const
@@ -166,18 +195,20 @@ class widening
         return m;
     }
 
-    /* How far a straight side has to move, n x; of a curve, 0. */
+    /* How far a straight side has to move, n x, but nowhere more than twice the largest gap; of a curve, 0. */
     double out_of(const side &c) const
     {
         if (!usable || !is_straight(c.along)) return 0;
         const double from = c.along->FirstParameter(), to = c.along->LastParameter();
         constexpr int samples = 16;
-        double most = 0;
+        double most = 0, widest = 0, least_size = HUGE_VAL;
         for (int i = 0; i <= samples; ++i) {
-            const double t = from + (to - from) * i / samples;
-            most = std::max(most, distance(c, t) * std::sqrt(normal_at(c.along, t).square()));
+            const double t = from + (to - from) * i / samples, size = std::sqrt(normal_at(c.along, t).square());
+            most = std::max(most, distance(c, t) * size);
+            widest = std::max(widest, distance(c, t));
+            least_size = std::min(least_size, size);
         }
-        return most;
+        return std::min(most, 2 * widest * least_size);
     }
 
     /* Two straight sides that are one line move by the same. */
@@ -279,7 +310,7 @@ class widening
         return middles;
     }
 
-    const loop &l;
+    loop l;
     const double outside;
     const Handle(Geom_Surface) & s;
     bool usable;
@@ -298,7 +329,7 @@ void widen(std::vector<loop> &loops, const Handle(Geom_Surface) & s)
         bool hole = false;
         for (size_t k = 0; k < loops.size(); ++k) hole ^= k != i && is_within(all[i], all[k]);
         const double outside = (twice_area(all[i]) > 0) != hole ? 1 : -1;
-        wide.push_back(widening(loops[i], outside, all[i], s).run());
+        wide.push_back(widening(loops[i], outside, all, i, s).run());
     }
     loops = std::move(wide);
 }
