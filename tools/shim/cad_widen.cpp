@@ -118,8 +118,10 @@ class widening
             limit[d] = farthest * about.box[d].size();
             usable = usable && least[d] > 0 && std::isfinite(least[d]);
         }
-        for (side &c : l)
-            if (usable && comes_back(c, all)) c.short_of = {{0, 0}};
+        for (side &c : l) {
+            stays.push_back(usable && comes_back(c, all));
+            if (stays.back()) c.short_of = {{0, 0}};
+        }
         for (const side &c : l) out.push_back(out_of(c));
         for (size_t turn = 0; turn < 2 * l.size(); ++turn) align(turn % l.size());
     }
@@ -211,7 +213,7 @@ class widening
         return std::min(most, 2 * widest * least_size);
     }
 
-    /* Two straight sides that are one line move by the same. */
+    /* Two straight sides that are one line move by the same, or both stay. */
     void align(size_t i)
     {
         const size_t k = (i + 1) % l.size();
@@ -220,7 +222,8 @@ class widening
                     b = l[k].along->EndPoint().XY() - l[k].along->StartPoint().XY();
         const double size_a = rate(l[i].along), size_b = rate(l[k].along);
         if (!(a * b > 0) || std::fabs(a ^ b) > 1e-9 * a.Modulus() * b.Modulus()) return;
-        const double most = std::max(out[i] / size_a, out[k] / size_b);
+        if (stays[i] || stays[k]) stays[i] = stays[k] = true;
+        const double most = stays[i] ? 0 : std::max(out[i] / size_a, out[k] / size_b);
         out[i] = most * size_a, out[k] = most * size_b;
     }
 
@@ -315,6 +318,7 @@ class widening
     const Handle(Geom_Surface) & s;
     bool usable;
     double least[2], limit[2]; /* of squared tangents; of how far a side moves */
+    std::vector<bool> stays;   /* for it comes back */
     std::vector<double> out;   /* of straight sides */
 };
 
