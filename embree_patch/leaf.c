@@ -328,13 +328,9 @@ static void make_series(ep_fit *f, const ep_domain *d, ep_point *q)
 {
     const ep_patch *p = f->patch;
     const double eps = 16 * EP_EPS_D * (f->m + f->n), in_double = eps * f->kind->growth(f->m, f->n, d);
-    if (in_double * p->weight_max <= max_loss * p->weight_min) {
-        f->kind->series(f->local, f->m, f->n, d, q);
-        f->loss = in_double;
-    } else {
-        f->kind->twofold_series(f->local, f->m, f->n, d, q);
-        f->loss = eps * (1 + terms_of(f, q) + in_double);
-    }
+    const bool twofold = !(in_double * p->weight_max <= max_loss * p->weight_min);
+    f->kind->series(f->local, f->m, f->n, d, twofold, q);
+    f->loss = twofold ? eps * (1 + terms_of(f, q) + in_double) : in_double;
 }
 
 void ep_leaf_fit(const ep_domain *d, ep_fit *f)

@@ -35,14 +35,10 @@ static void tensor_restrict(const ep_point *net, unsigned m, unsigned n, const e
     ep_tensor_restrict(net, m, n, d->u0, d->u0 + d->uu, d->v0, d->v0 + d->vv, out);
 }
 
-static void tensor_series(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out)
+static void tensor_series(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, bool twofold, ep_point *out)
 {
-    ep_tensor_series(net, m, n, d->u0 + d->uu / 2, d->uu, d->v0 + d->vv / 2, d->vv, out);
-}
-
-static void tensor_twofold(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out)
-{
-    ep_twofold_tensor_series(net, m, n, d->u0 + d->uu / 2, d->uu, d->v0 + d->vv / 2, d->vv, out);
+    (twofold ? ep_twofold_tensor_series : ep_tensor_series)(net, m, n, d->u0 + d->uu / 2, d->uu, d->v0 + d->vv / 2,
+                                                            d->vv, out);
 }
 
 /* The i-th difference of points doubles their roundings i times: binomial(m, i) (2 |uu s|)^i add up to (1 + 2 |uu
@@ -117,20 +113,13 @@ static void tri_restrict(const ep_point *net, unsigned n, unsigned unused, const
     ep_tri_restrict(net, n, U, V, W, out);
 }
 
-static void tri_series(const ep_point *net, unsigned n, unsigned unused, const ep_domain *d, ep_point *out)
+static void tri_series(const ep_point *net, unsigned n, unsigned unused, const ep_domain *d, bool twofold,
+                       ep_point *out)
 {
     (void)unused;
     const double X[2] = {d->u0 + (d->uu + d->uv) / 3, d->v0 + (d->vu + d->vv) / 3};
     const double U[2] = {d->uu, d->vu}, V[2] = {d->uv, d->vv};
-    ep_tri_series(net, n, X, U, V, out);
-}
-
-static void tri_twofold(const ep_point *net, unsigned n, unsigned unused, const ep_domain *d, ep_point *out)
-{
-    (void)unused;
-    const double X[2] = {d->u0 + (d->uu + d->uv) / 3, d->v0 + (d->vu + d->vv) / 3};
-    const double U[2] = {d->uu, d->vu}, V[2] = {d->uv, d->vv};
-    ep_twofold_tri_series(net, n, X, U, V, out);
+    (twofold ? ep_twofold_tri_series : ep_tri_series)(net, n, X, U, V, out);
 }
 
 /* A step along s counts roundings as often as the magnitudes of its weights add up to, a, one along t b times; n!/(i!
@@ -184,7 +173,6 @@ const ep_kind ep_kinds[2] = {
                         ep_tensor_eval,
                         tensor_restrict,
                         tensor_series,
-                        tensor_twofold,
                         tensor_growth,
                         tensor_split,
                         tensor_index,
@@ -199,7 +187,6 @@ const ep_kind ep_kinds[2] = {
                           tri_eval,
                           tri_restrict,
                           tri_series,
-                          tri_twofold,
                           tri_growth,
                           tri_split,
                           tri_index,

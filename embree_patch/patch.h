@@ -35,10 +35,9 @@ typedef struct ep_kind {
     size_t (*point_count)(unsigned m, unsigned n);
     void (*eval)(const ep_point *net, unsigned m, unsigned n, double u, double v, ep_jet *jet);
     void (*restrict_to)(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out);
-    /* The surface over d as a polynomial in the leaf's coordinates: (s, t) of d minus `middle`. In double, and in
+    /* The surface over d as a polynomial in the leaf's coordinates: (s, t) of d minus `middle`. In double, or in
      * twofold.h's arithmetic. */
-    void (*series)(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out);
-    void (*twofold_series)(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, ep_point *out);
+    void (*series)(const ep_point *net, unsigned m, unsigned n, const ep_domain *d, bool twofold, ep_point *out);
     /* How many times a rounding of points counts in the series, at most anywhere over d. */
     double (*growth)(unsigned m, unsigned n, const ep_domain *d);
     /* The parts that a domain is halved into: along its first side, its second, or (triangles) into four by the

@@ -196,9 +196,10 @@ const char *cad_read(const char *path, cad_format format, cad_taker take, void *
     face_map of_edges;
     const char *failure = guard([&] {
         const TopoDS_Shape shape = read_shape(path, format);
-        TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, of_edges);
-        if (!shape.IsNull())
+        if (!shape.IsNull()) {
+            TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, of_edges);
             for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) faces.push_back(TopoDS::Face(e.Current()));
+        }
         if (faces.empty()) throw unusable("there are no faces in the file");
     });
     if (failure) return failure;

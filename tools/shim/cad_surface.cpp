@@ -67,18 +67,24 @@ std::vector<double> list_knots(const TColStd_Array1OfReal &knots, const TColStd_
     return all;
 }
 
+/* What there is of `r` between two ends. */
+range within(range r, double low, double high)
+{
+    const range left{std::max(r.low, low), std::min(r.high, high)};
+    if (!(left.size() > 0)) throw unusable("it has no area in its parameters");
+    return left;
+}
+
 /* The spline over `r`, which becomes smaller where there is much less of it. */
 void restrict_to(net &n, int direction, const periodic &p, range &r)
 {
     const range wanted = r;
     if (!(p.length > 0)) {
         const std::vector<double> &knots = n.knots[direction];
-        r.low = std::max(r.low, knots[(size_t)n.degree[direction]]);
-        r.high = std::min(r.high, knots[n.count[direction]]);
+        r = within(r, knots[(size_t)n.degree[direction]], knots[n.count[direction]]);
     } else if (r.size() > 2.001 * p.length) {
         throw unusable("it goes round more than twice");
     }
-    if (!(r.low < r.high)) throw unusable("it has no area in its parameters");
     n = take_spans(n, direction, p, r);
     cut(n, direction, r);
     extend(n, direction, wanted, r);
@@ -116,8 +122,7 @@ net convert_curve(const Handle(Geom_Curve) & c, range &r, std::optional<arcs> &a
     if (const auto b = Handle(Geom_BSplineCurve)::DownCast(c)) return spline_curve(b, r);
     if (const auto b = Handle(Geom_BezierCurve)::DownCast(c))
         return spline_curve(GeomConvert::CurveToBSplineCurve(b), r);
-    if (!c->IsPeriodic()) r = {std::max(r.low, c->FirstParameter()), std::min(r.high, c->LastParameter())};
-    if (!(r.size() > 0)) throw unusable("it has no area in its parameters");
+    if (!c->IsPeriodic()) r = within(r, c->FirstParameter(), c->LastParameter());
     const Handle(Geom_TrimmedCurve) part = new Geom_TrimmedCurve(c, r.low, r.high);
     GeomConvert_ApproxCurve a(part, tolerance(part->StartPoint(), part->EndPoint()), GeomAbs_C2, 100, 9);
     if (!a.HasResult()) throw unusable("its curve cannot be approximated");
@@ -231,12 +236,8 @@ surface offset(const Handle(Geom_OffsetSurface) & o, const range box[2])
     if (!exact.IsNull() && is_same(o, exact, box)) return convert(exact, box);
     range whole[2], r[2];
     o->Bounds(whole[0].low, whole[0].high, whole[1].low, whole[1].high);
-    for (int d = 0; d < 2; ++d) {
-        r[d] = box[d];
-        if (d ? o->IsVPeriodic() : o->IsUPeriodic()) continue;
-        r[d] = {std::max(r[d].low, whole[d].low), std::min(r[d].high, whole[d].high)};
-        if (!(r[d].size() > 0)) throw unusable("it has no area in its parameters");
-    }
+    for (int d = 0; d < 2; ++d)
+        r[d] = (d ? o->IsVPeriodic() : o->IsUPeriodic()) ? box[d] : within(box[d], whole[d].low, whole[d].high);
     const Handle(Geom_Surface) part = new Geom_RectangularTrimmedSurface(o, r[0].low, r[0].high, r[1].low, r[1].high);
     const gp_Pnt begin = part->Value(r[0].low, r[1].low), end = part->Value(r[0].high, r[1].high);
     GeomConvert_ApproxSurface a(part, tolerance(begin, end), GeomAbs_C1, GeomAbs_C1, 9, 9, 100, 1);

@@ -28,7 +28,7 @@ namespace
 constexpr double shortest = 0x1p-3;
 /* Of the loop's box, that a side moves at most. */
 constexpr double farthest = 0x1p-2;
-/* A curve's control points move by this much more, and it by no less than its tolerance times `enough`. */
+/* A curve's control points move by this much more than its gap, and it by no less than `enough` of that. */
 constexpr double more = 1.1, enough = 0.8;
 
 /* Points along a loop. */
@@ -94,6 +94,14 @@ bool is_within(const polygon &p, const polygon &other)
     return 2 * inside > asked;
 }
 
+bool has_gap(const loop &l)
+{
+    return std::any_of(l.begin(), l.end(), [](const side &c) {
+        return std::any_of(c.short_of.begin(), c.short_of.end(),
+                           [](const edge_gap &g) { return g[0] > 0 || g[1] > 0; });
+    });
+}
+
 class widening
 {
   public:
@@ -112,14 +120,14 @@ class widening
             longest[0] = std::max(longest[0], u.SquareMagnitude());
             longest[1] = std::max(longest[1], v.SquareMagnitude());
         }
-        usable = true;
         for (int d = 0; d < 2; ++d) {
             least[d] = shortest * shortest * longest[d];
             limit[d] = farthest * about.box[d].size();
-            usable = usable && least[d] > 0 && std::isfinite(least[d]);
+            if (!(least[d] > 0 && std::isfinite(least[d]))) return; /* there is no telling how far to go */
         }
+        usable = true;
         for (side &c : l) {
-            stays.push_back(usable && comes_back(c, all));
+            stays.push_back(comes_back(c, all));
             if (stays.back()) c.short_of = {{0, 0}};
         }
         for (const side &c : l) out.push_back(out_of(c));
@@ -200,7 +208,7 @@ class widening
     /* How far a straight side has to move, n x, but nowhere more than twice the largest gap; of a curve, 0. */
     double out_of(const side &c) const
     {
-        if (!usable || !is_straight(c.along)) return 0;
+        if (!is_straight(c.along)) return 0;
         const double from = c.along->FirstParameter(), to = c.along->LastParameter();
         constexpr int samples = 16;
         double most = 0, widest = 0, least_size = HUGE_VAL;
@@ -217,7 +225,7 @@ class widening
     void align(size_t i)
     {
         const size_t k = (i + 1) % l.size();
-        if (!usable || !is_straight(l[i].along) || !is_straight(l[k].along)) return;
+        if (!is_straight(l[i].along) || !is_straight(l[k].along)) return;
         const gp_XY a = l[i].along->EndPoint().XY() - l[i].along->StartPoint().XY(),
                     b = l[k].along->EndPoint().XY() - l[k].along->StartPoint().XY();
         const double size_a = rate(l[i].along), size_b = rate(l[k].along);
@@ -316,7 +324,7 @@ class widening
     loop l;
     const double outside;
     const Handle(Geom_Surface) & s;
-    bool usable;
+    bool usable = false;
     double least[2], limit[2]; /* of squared tangents; of how far a side moves */
     std::vector<bool> stays;   /* for it comes back */
     std::vector<double> out;   /* of straight sides */
@@ -326,6 +334,7 @@ class widening
 
 void widen(std::vector<loop> &loops, const Handle(Geom_Surface) & s)
 {
+    if (std::none_of(loops.begin(), loops.end(), has_gap)) return;
     std::vector<polygon> all;
     for (const loop &l : loops) all.push_back(sample(l));
     std::vector<loop> wide;
