@@ -20,6 +20,8 @@
  * flat patch ends after one path down. */
 #include "embree_patch/solve.h"
 
+#include "embree_patch/line.h"
+
 #include <string.h>
 
 enum {
@@ -45,69 +47,6 @@ typedef struct problem {
     double rounding;          /* ... divided by w */
     double small, small_t;    /* extent in f and in t of what floats cannot tell from a point */
 } problem;
-
-static ep_domain leaf_domain(const ep_leaf *leaf)
-{
-    const float *f = leaf->domain;
-    return (ep_domain){f[0], f[1], f[2], f[4], f[5], f[3]};
-}
-
-/* The ray with its origin next to the patch: o + (t - t0) d, relative to the centre. */
-typedef struct line {
-    ep_vec3 o, d;
-    double t0;
-} line;
-
-static bool make_line(const ep_patch *patch, const float org[3], const float dir[3], line *l)
-{
-    l->d = ep_v3(dir[0], dir[1], dir[2]);
-    const double *c = patch->centre;
-    const ep_vec3 o = ep_v3(org[0] - c[0], org[1] - c[1], org[2] - c[2]);
-    const double dd = ep_dot(l->d, l->d);
-    l->t0 = -ep_dot(o, l->d) / dd;
-    l->o = ep_add(o, ep_scale(l->t0, l->d));
-    return dd > 0 && dd < INFINITY && fabs(l->t0) < INFINITY;
-}
-
-bool ep_clip(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double *lo, double *hi)
-{
-    line l;
-    if (!make_line(patch, org, dir, &l)) return false;
-    if (!(leaf->height < INFINITY)) return true;
-    const bool triangle = patch->kind == EP_KIND_TRIANGLE;
-    double a[3], b[3], from = *lo - l.t0, to = *hi - l.t0;
-    const double *centre = patch->centre;
-    const ep_vec3 o = ep_v3(l.o.x + (centre[0] - leaf->centre[0]) - leaf->centre_low[0],
-                            l.o.y + (centre[1] - leaf->centre[1]) - leaf->centre_low[1],
-                            l.o.z + (centre[2] - leaf->centre[2]) - leaf->centre_low[2]);
-    for (int c = 0; c < 3; ++c) {
-        const ep_vec3 row = ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
-        a[c] = ep_dot(row, o);
-        b[c] = ep_dot(row, l.d);
-    }
-    const double side = ep_leaf_side(leaf, patch->kind == EP_KIND_TRIANGLE), height = leaf->height,
-                 edge = ep_kinds[patch->kind].middle + side;
-    const struct {
-        double a, b, limit; /* a + t b <= limit */
-    } plane[6] = {
-        {a[2], b[2], height},
-        {-a[2], -b[2], height},
-        {-a[0], -b[0], edge},
-        {-a[1], -b[1], edge},
-        {triangle ? a[0] + a[1] : a[0], triangle ? b[0] + b[1] : b[0], triangle ? edge + side : edge},
-        {triangle ? -a[1] : a[1], triangle ? -b[1] : b[1], edge},
-    };
-    for (int k = 0; k < 6; ++k) {
-        const double room = plane[k].limit - plane[k].a;
-        if (plane[k].b > 0) to = fmin(to, room / plane[k].b);
-        else if (plane[k].b < 0) from = fmax(from, room / plane[k].b);
-        else if (room < 0) return false;
-    }
-    const double rounding = 0x1p-40 * (fabs(from) + fabs(to)); /* of the quotients */
-    *lo = fmax(*lo, l.t0 + from - rounding);
-    *hi = fmin(*hi, l.t0 + to + rounding);
-    return *lo <= *hi;
-}
 
 /* Two unit vectors perpendicular to d, one of them along the leaf where that makes sense. */
 static void planes(const ep_leaf *leaf, ep_vec3 d, ep_vec3 *n1, ep_vec3 *n2)
@@ -277,27 +216,12 @@ static unsigned halve(const problem *p, const ep_point *net, const slopes *g, co
     return 2;
 }
 
-/* How far (s, t) is outside the unit domain; negative inside. */
-static double outside(bool triangle, double s, double t)
-{
-    return fmax(fmax(-s, -t), triangle ? s + t - 1 : fmax(s, t) - 1);
-}
-
-static void clamp(bool triangle, double *s, double *t)
-{
-    *s = fmin(fmax(*s, 0), 1);
-    *t = fmin(fmax(*t, 0), 1);
-    const double excess = triangle ? fmax(*s + *t - 1, 0) / 2 : 0;
-    *s -= excess;
-    *t -= excess;
-}
-
 typedef enum verdict { NO_ROOT, ROOT, UNDECIDED } verdict;
 
 /* Newton in a certified cell, from its middle. Rounding of f displaces roots by up to `slack`, which is much of a cell
  * next to a pole: a root that is outside by no more may be one that the cell beside it takes for this one's. In other
- * directions rounding may displace it by much less, so a root is where f is zero as far as it tells; if it is not at the
- * nearest point of the cell, smaller cells have to decide. */
+ * directions rounding may displace it by much less, so a root is where f is zero as far as it tells; if it is not at
+ * the nearest point of the cell, smaller cells have to decide. */
 static verdict newton(const problem *p, const ep_point *net, double *s, double *t)
 {
     *s = p->kind->middle;
@@ -308,13 +232,13 @@ static verdict newton(const problem *p, const ep_point *net, double *s, double *
         const double det = j.pu[0] * j.pv[1] - j.pv[0] * j.pu[1];
         const double ds = (j.pv[0] * j.p[1] - j.pv[1] * j.p[0]) / det;
         const double dt = (j.pu[1] * j.p[0] - j.pu[0] * j.p[1]) / det;
-        const double step = fmax(fabs(ds), fabs(dt)), out = outside(p->triangle, *s + ds, *t + dt);
+        const double step = fmax(fabs(ds), fabs(dt)), out = ep_outside(p->triangle, *s + ds, *t + dt);
         const double size = fmax(fabs(j.pu[0]) + fabs(j.pu[1]), fabs(j.pv[0]) + fabs(j.pv[1]));
         const double slack = (p->triangle ? 2 : 1) * size * p->noise / fabs(det) + 0x1p-24;
         if (out > (p->triangle ? 0.8 : 0.4) * step + slack) return NO_ROOT; /* two sides' errors add up in s + t */
         *s += ds;
         *t += dt;
-        clamp(p->triangle, s, t);
+        ep_clamp(p->triangle, s, t);
         if (step > slack) continue;
         if (out > slack) return NO_ROOT;
         p->kind->eval(net, p->m, p->n, *s, *t, &j);
@@ -327,7 +251,7 @@ static verdict newton(const problem *p, const ep_point *net, double *s, double *
 static void normal(const ep_patch *patch, const ep_leaf *leaf, double u, double v, double ng[3])
 {
     const ep_kind *kind = &ep_kinds[patch->kind];
-    const ep_domain d = leaf_domain(leaf);
+    const ep_domain d = ep_leaf_domain(leaf);
     const double cu = d.u0 + kind->middle * (d.uu + d.uv);
     const double cv = d.v0 + kind->middle * (d.vu + d.vv);
     ep_vec3 n = ep_v3(0, 0, 0);
@@ -343,10 +267,12 @@ static void normal(const ep_patch *patch, const ep_leaf *leaf, double u, double 
     ng[0] = n.x, ng[1] = n.y, ng[2] = n.z;
 }
 
-static void set_up(const ep_patch *patch, const ep_leaf *leaf, const line *l, problem *p)
+/* Returns the part of the leaf's unit domain that the ray can meet. */
+static ep_domain set_up(const ep_patch *patch, const ep_leaf *leaf, const ep_line *l, double after, double before,
+                        problem *p)
 {
     const ep_vec3 o = l->o, d = l->d;
-    const ep_domain domain = leaf_domain(leaf);
+    const ep_domain domain = ep_leaf_domain(leaf);
     ep_point local[MAX_POINTS];
     ep_vec3 n1, n2;
     p->t0 = l->t0;
@@ -358,6 +284,7 @@ static void set_up(const ep_patch *patch, const ep_leaf *leaf, const line *l, pr
     const double dd = ep_dot(d, d);
     p->speed = sqrt(dd);
     ep_patch_local(patch, local);
+    const ep_domain part = ep_line_part(patch, leaf, local, l, after, before);
     const size_t count = p->kind->point_count(p->m, p->n);
     double largest = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -373,15 +300,16 @@ static void set_up(const ep_patch *patch, const ep_leaf *leaf, const line *l, pr
     p->rounding = p->noise / patch->weight_min;
     p->small = fmax(p->noise, 0x1p-30 * patch->weight_min * patch->radius);
     p->small_t = 0x1p-30 * (patch->radius / sqrt(dd) + fabs(p->t0));
+    return part;
 }
 
 bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], double after,
               double before, ep_root *root)
 {
-    line l;
+    ep_line l;
     problem p;
-    if (!make_line(patch, org, dir, &l)) return false;
-    set_up(patch, leaf, &l, &p);
+    if (!ep_line_of(patch, org, dir, &l)) return false;
+    const ep_domain part = set_up(patch, leaf, &l, after, before, &p);
     const double t0 = l.t0;
     const size_t count = p.kind->point_count(p.m, p.n);
     cell stack[MAX_STACK];
@@ -389,7 +317,7 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     unsigned depth = 0;
     bool found = false, crossing = false;
     double best_s = 0, best_t = 0;
-    stack[depth++] = (cell){{0, 0, 1, 0, 0, 1}, -INFINITY};
+    stack[depth++] = (cell){part, -INFINITY};
     for (unsigned cells = 0; depth; ++cells) {
         const cell at = stack[--depth];
         if (at.t_low >= before - found * p.small_t) continue;
@@ -459,97 +387,11 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         }
     }
     if (!found) return false;
-    const ep_domain dom = leaf_domain(leaf);
+    const ep_domain dom = ep_leaf_domain(leaf);
     root->t = before;
     root->crossing = crossing;
     root->u = fmin(fmax(dom.u0 + best_s * dom.uu + best_t * dom.uv, 0), 1);
     root->v = fmin(fmax(dom.v0 + best_s * dom.vu + best_t * dom.vv, 0), p.triangle ? 1 - root->u : 1);
     normal(patch, leaf, root->u, root->v, root->ng);
     return true;
-}
-
-/* Newton's steps with the second-order term that they leave, of which three take a root that is right to 2^-8 to the
- * rounding of doubles, with one to spare. If that term is no more than 2^-26 and the step no more than 2^-16, what is
- * left is below 2 (2^-26)² / 2^-16, and the surface's third derivatives times 2^-50. */
-enum { POLISH_STEPS = 4 };
-static const double last_term = 0x1p-26, last_step = 0x1p-16;
-
-/* r + pu du + pv dv = d dk by Cramer's rule: with n = pu x pv, dk is n r / n d, and what is left of r, l = d dk - r,
- * lies in the plane of pu and pv, where l by_u is du and l by_v is dv. */
-typedef struct tangents {
-    ep_vec3 n, by_u, by_v;
-    double inverse; /* 1 / n d */
-} tangents;
-
-typedef struct polish_step {
-    double du, dv, dk;
-} polish_step;
-
-static tangents tangents_of(const ep_frame *f, ep_vec3 d)
-{
-    const ep_vec3 n = ep_cross(f->pu, f->pv);
-    const double over = 1 / ep_dot(n, n);
-    return (tangents){n, ep_scale(over, ep_cross(f->pv, n)), ep_scale(over, ep_cross(n, f->pu)), 1 / ep_dot(n, d)};
-}
-
-static polish_step solve_step(const tangents *p, ep_vec3 d, ep_vec3 r)
-{
-    const double dk = ep_dot(p->n, r) * p->inverse;
-    const ep_vec3 left = ep_sub(ep_scale(dk, d), r);
-    return (polish_step){ep_dot(left, p->by_u), ep_dot(left, p->by_v), dk};
-}
-
-static ep_vec3 combine(double a, ep_vec3 x, double b, ep_vec3 y)
-{
-    return ep_add(ep_scale(a, x), ep_scale(b, y));
-}
-
-static bool within(double a, double b, double limit)
-{
-    return fabs(a) <= limit && fabs(b) <= limit;
-}
-
-/* Corners of leaves are rounded to floats. */
-static bool is_beside(const ep_leaf *leaf, bool triangle, double u, double v)
-{
-    const ep_domain d = leaf_domain(leaf);
-    const double over = 1 / (d.uu * d.vv - d.uv * d.vu), x = u - d.u0, y = v - d.v0;
-    const double rounding = 0x1p-23 * (fabs(d.uu) + fabs(d.uv) + fabs(d.vu) + fabs(d.vv)) * fabs(over);
-    return outside(triangle, (x * d.vv - y * d.uv) * over, (y * d.uu - x * d.vu) * over) > (double)EP_SHARP + rounding;
-}
-
-ep_polished ep_polish(const ep_patch *patch, const ep_leaf *leaf, const float org[3], const float dir[3], float *t,
-                      float field[5], double exact[2])
-{
-    line l;
-    if (!make_line(patch, org, dir, &l)) return EP_POLISHED_LOST;
-    const bool triangle = patch->kind == EP_KIND_TRIANGLE;
-    ep_point local[MAX_POINTS];
-    ep_patch_local(patch, local);
-    double u = field[3], v = field[4], k = *t - l.t0;
-    ep_vec3 n = ep_v3(0, 0, 0);
-    bool done = false;
-    for (int i = 0; i < POLISH_STEPS && !done; ++i) {
-        ep_jet jet;
-        ep_kinds[patch->kind].eval(local, patch->degree_u, patch->degree_v, u, v, &jet);
-        const ep_frame f = ep_project(&jet);
-        const tangents p = tangents_of(&f, l.d);
-        const polish_step a = solve_step(&p, l.d, ep_sub(f.p, ep_add(l.o, ep_scale(k, l.d))));
-        const ep_vec3 turn_u = combine(a.du, f.puu, a.dv, f.puv), turn_v = combine(a.du, f.puv, a.dv, f.pvv);
-        const polish_step b = solve_step(&p, l.d, combine(0.5 * a.du, turn_u, 0.5 * a.dv, turn_v));
-        u += a.du + b.du;
-        v += a.dv + b.dv;
-        k += a.dk + b.dk;
-        n = ep_cross(ep_add(f.pu, turn_u), ep_add(f.pv, turn_v));
-        done = within(b.du, b.dv, last_term) && within(a.du, a.dv, last_step);
-        if (!within(u - field[3], v - field[4], 0x1p-8)) return EP_POLISHED_LOST;
-    }
-    if (!done) return EP_POLISHED_LOST; /* a double root, nearly */
-    *t = (float)(l.t0 + k);
-    exact[0] = u, exact[1] = v;
-    if (outside(triangle, u, v) > EP_BORDER || is_beside(leaf, triangle, u, v)) return EP_POLISHED_AWAY;
-    field[0] = (float)n.x, field[1] = (float)n.y, field[2] = (float)n.z;
-    field[3] = (float)fmin(fmax(u, 0), 1);
-    field[4] = (float)fmin(fmax(v, 0), triangle ? 1 - field[3] : 1);
-    return EP_POLISHED;
 }

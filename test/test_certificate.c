@@ -9,7 +9,7 @@
  * cell, many rays nearly tangent.
  *
  *     test_certificate [RAYS [SEED]] */
-#include "embree_patch/solve.h"
+#include "embree_patch/polish.h"
 #include "test/piece.h"
 
 #include <stdio.h>

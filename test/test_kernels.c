@@ -4,7 +4,6 @@
  *
  * "plain" is the specification. Whether it is right is asked by test_hits.c; here a tolerance would sleep through a
  * multiply-add that is not fused. */
-#include "embree_patch/solve.h"
 #include "test/support.h"
 
 #include <stdio.h>

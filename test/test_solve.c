@@ -2,6 +2,8 @@
  *
  * SPDX-License-Identifier: Apache-2.0 */
 #include "embree_patch/kernels.h"
+#include "embree_patch/line.h"
+#include "embree_patch/polish.h"
 #include "embree_patch/solve.h"
 #include "test/support.h"
 
@@ -162,13 +164,60 @@ static void polished_roots(void **state)
     assert_true(tried > 2000 && polished > tried * 9 / 10);
 }
 
+/* Points of a leaf, and lines through them: the part that is met along any piece of such a line around the point has
+ * it, and is small if the piece is. */
+static void parts_that_lines_meet(void **state)
+{
+    (void)state;
+    int small = 0, pieces = 0;
+    for (uint64_t k = 0; k < 400; ++k) {
+        rng r = rng_split(5, 0, k);
+        test_patch p;
+        random_patch(&r, k % 4 < 2 ? STYLE_GENTLE : STYLE_WILD, k % 2, (patch_limits){6, k % 3 ? 1 : 4}, &p);
+        EPGeometry g = new_geometry(&p, 1, NULL);
+        const ep_patch *patch = &g->hierarchy.patches[0];
+        ep_point local[EP_NET_POINTS];
+        ep_patch_local(patch, local);
+        for (int i = 0; i < 100; ++i) {
+            const ep_leaf *leaf = &g->hierarchy.leaves[rng_below(&r, (unsigned)g->hierarchy.leaf_count)];
+            const ep_domain d = ep_leaf_domain(leaf);
+            double s = rng_in(&r, 0, 1), t = rng_in(&r, 0, 1), x[3], xu[3], xv[3];
+            if (i % 5 == 0) s = 0;
+            if (p.shape.triangle && s + t > 1) s = 1 - s, t = 1 - t;
+            const double u = d.u0 + s * d.uu + t * d.uv, v = d.v0 + s * d.vu + t * d.vv;
+            evaluate_patch(&p, u, v, x, xu, xv);
+            /* any direction, or one along the surface */
+            const double a = rng_in(&r, -1, 1), b = rng_in(&r, -1, 1);
+            double way[3], at[3];
+            for (int c = 0; c < 3; ++c) {
+                way[c] = i % 2 ? a * xu[c] + b * xv[c] : rng_in(&r, -1, 1);
+                at[c] = x[c] - patch->centre[c];
+            }
+            const ep_line line = {ep_v3(at[0] - 0.7 * way[0], at[1] - 0.7 * way[1], at[2] - 0.7 * way[2]),
+                                  ep_v3(way[0], way[1], way[2]), 0.3};
+            const double length = rng_scale(&r, 1e-12, 10), before = rng_in(&r, 0, 1);
+            const ep_domain part =
+                ep_line_part(patch, leaf, local, &line, 1 - before * length, 1 + (1 - before) * length);
+            CHECK(s >= part.u0 - 1e-13 && t >= part.v0 - 1e-13 &&
+                      (p.shape.triangle ? s + t <= part.u0 + part.v0 + part.uu + 1e-13
+                                        : s <= part.u0 + part.uu + 1e-13 && t <= part.v0 + part.vv + 1e-13),
+                  "patch %d, leaf %d: (%.9g, %.9g) is not in the part from (%.9g, %.9g), %.3g by %.3g, of %.3g of the "
+                  "way",
+                  (int)k, (int)(leaf - g->hierarchy.leaves), s, t, part.u0, part.v0, part.uu, part.vv, length);
+            if (length > 1e-6 || leaf->stretch > EP_STRETCH / 2) continue;
+            ++pieces;
+            small += fmax(part.uu, part.vv) < 0x1p-8;
+        }
+        epReleaseGeometry(g);
+    }
+    assert_true(pieces > 2000 && small > pieces * 99 / 100);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(at_the_very_border),
-        cmocka_unit_test(within_a_flat_patch),
-        cmocka_unit_test(past_a_line),
-        cmocka_unit_test(polished_roots),
+        cmocka_unit_test(at_the_very_border), cmocka_unit_test(within_a_flat_patch),   cmocka_unit_test(past_a_line),
+        cmocka_unit_test(polished_roots),     cmocka_unit_test(parts_that_lines_meet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,8 +8,8 @@
 #define EP_OFFER_H
 
 #include "embree_patch/geometry.h"
+#include "embree_patch/polish.h"
 #include "embree_patch/rtc/rtc_compat.h"
-#include "embree_patch/solve.h"
 
 #include <math.h>
 #include <string.h>

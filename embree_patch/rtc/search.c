@@ -7,6 +7,9 @@
  * tfar; it only decides which of the cells are looked at. */
 #include "embree_patch/rtc/search.h"
 
+#include "embree_patch/line.h"
+#include "embree_patch/solve.h"
+
 /* Roots found so far, in the patch's parameters: several cells find the same one. What there is no room for may be
  * offered twice. */
 typedef struct known_roots {
@@ -105,7 +108,10 @@ static void subdivide_leaf(search *s)
 {
     const ep_query *q = &s->lane.query;
     double lo = -INFINITY, hi = INFINITY;
-    if (ep_clip(ep_patch_of(q), q->leaf, s->ray + EP_RAY_ORG, s->ray + EP_RAY_DIR, &lo, &hi)) subdivide(s, lo, hi);
+    ep_line line;
+    if (ep_line_of(ep_patch_of(q), s->ray + EP_RAY_ORG, s->ray + EP_RAY_DIR, &line) &&
+        ep_line_clip(ep_patch_of(q), q->leaf, &line, &lo, &hi))
+        subdivide(s, lo, hi);
 }
 
 /* Rounds of cells before subdivision. */
