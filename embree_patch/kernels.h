@@ -19,13 +19,13 @@ enum { EP_HIT_NG = 0, EP_HIT_U = 3, EP_HIT_V = 4 };
 
 #define EP_PACKET 16
 
-/* One bit a lane; all of it fits into a register. A lane in neither set is certified to miss the leaf within (tnear,
- * tfar). */
+/* One bit a lane; all of it fits into a register. A lane in no set is certified to miss the leaf within (tnear, tfar).
+ */
 typedef struct ep_outcome {
-    uint16_t hit;   /* t[] and hit[] hold the leaf's only root in (tnear, tfar], or, if vague, near it */
-    uint16_t tie;   /* those of them at tfar itself: in front of the ray's hit or behind it? */
-    uint16_t vague; /* those that ep_polish has to find again                     */
-    uint16_t slow;  /* undecided: look closer                                   */
+    uint16_t hit;   /* certain: t[] and hit[] hold the leaf's only root in (tnear, tfar]                    */
+    uint16_t tie;   /* those of them at tfar itself: in front of the ray's hit or behind it?                */
+    uint16_t vague; /* ... whose place ep_polish has to find; those that are no hits it has to find in there */
+    uint16_t slow;  /* undecided: look closer                                                               */
 } ep_outcome;
 
 /* `net` is the leaf's own. */
@@ -40,8 +40,7 @@ typedef ep_outcome ep_single_kernel(const ep_leaf *leaf, const float *net, const
 typedef struct ep_roots {
     float *t[2], *hits[2];      /* where they go; lanes and fields as in a packet             */
     float radius[2][EP_PACKET]; /* how accurate they are, in leaf coordinates                 */
-    uint32_t hit[2];            /* near (tnear, inf)                                          */
-    uint32_t vague[2];          /* those that ep_polish has to find again                     */
+    uint32_t hit[2], vague[2];  /* as above, but also roots beyond tfar and just before tnear */
     uint32_t open;              /* undecided: look closer, whatever was found                 */
 } ep_roots;
 
@@ -59,8 +58,7 @@ typedef struct ep_cells {
     float reach[EP_PACKET];         /* ... and half its length, in t                           */
     float radius[EP_PACKET];        /* how accurate it is, in leaf coordinates                 */
     float fields[5 * EP_PACKET];    /* Ng, u, v as in a hit packet of 16                       */
-    uint32_t hit;                   /* has a root near this cell, the first of it              */
-    uint32_t vague;                 /* those that ep_polish has to find again                  */
+    uint32_t hit, vague;            /* has a root near this cell, the first of it              */
     uint32_t more;                  /* those that may have another root, farther on            */
     uint32_t open;                  /* undecided                                               */
     uint32_t hopeless;              /* of a ray that no cells would decide                     */

@@ -40,7 +40,7 @@ typedef struct root {
 } root;
 
 typedef struct tally {
-    uint64_t rays, roots, none, hit, vague, slow, tangent_hit, tangent_open, cells, cell_hit, cell_open;
+    uint64_t rays, roots, none, hit, vague, certain, slow, tangent_hit, tangent_open, cells, cell_hit, cell_open;
     double place, t, normal; /* the largest errors, in units of what is promised */
 } tally;
 
@@ -231,6 +231,21 @@ static void check_hit(const visit *v, float k, const float hit[5], double radius
     tally->normal = fmax(tally->normal, wrong / limit);
 }
 
+/* A hit that is vague, but certain: there is a root, in the leaf and between tnear and tfar. */
+static void check_certain(const visit *v, float k, const float hit[5], tally *tally)
+{
+    double s, t;
+    root r;
+    hit_place(v, hit[EP_HIT_U], hit[EP_HIT_V], &s, &t);
+    CHECK(find(v, s, t, k, &r), "no root at a certain hit: %s: %.9g %.9g at %.9g",
+          ray_text(v->ray, v->ray + EP_RAY_DIR), s, t, k);
+    const double error = 0x1p-45 * fabs(r.k);
+    CHECK(piece_inside(&v->piece, r.s, r.t) >= -r.exact && r.k > (double)v->ray[EP_RAY_TNEAR] - error &&
+              r.k < (double)v->ray[EP_RAY_TFAR] + error,
+          "%s: outside", describe(v, &r));
+    ++tally->certain;
+}
+
 /* Whether a hit, that may be vague, is the root: as offer.c and search.c go on with it. */
 typedef enum found { FOUND, ANOTHER, LOOKED_FOR } found;
 
@@ -264,15 +279,16 @@ static void check_single(const visit *v, const root *roots, size_t count, tally 
     float k, hit[5];
     const double way = way_of(v);
     const ep_outcome o = v->kernels->single[v->piece.leaf->shape](v->piece.leaf, v->net, v->ray, &k, hit, &counters);
-    tally->none += !o.hit && !o.slow;
+    tally->none += !o.hit && !o.vague && !o.slow;
     tally->slow += o.slow != 0;
-    tally->hit += o.hit != 0;
+    tally->hit += o.hit || o.vague;
     tally->vague += o.vague != 0;
     if (o.slow) return;
     if (o.hit && !o.vague) check_hit(v, k, hit, INFINITY, way, tally);
+    if (o.hit && o.vague) check_certain(v, k, hit, tally);
     for (size_t i = 0; i < count; ++i) {
         if (!is_ahead(v, &roots[i])) continue;
-        CHECK(o.hit, "%s: certified to miss", describe(v, &roots[i]));
+        CHECK(o.hit || o.vague, "%s: certified to miss", describe(v, &roots[i]));
         float k2 = k, hit2[5];
         memcpy(hit2, hit, sizeof hit2);
         const found f = is_root(v, &k2, hit2, o.vague, accuracy_at(v, &roots[i], way), &roots[i]);
@@ -291,20 +307,21 @@ static void check_tangent(const visit *v, const root *roots, size_t count, tally
     tally->tangent_open += out.open;
     if (out.open) return;
     for (unsigned slot = 0; slot < 2; ++slot) {
-        tally->tangent_hit += out.hit[slot];
+        tally->tangent_hit += out.hit[slot] | out.vague[slot];
+        if (out.hit[slot] && out.vague[slot]) check_certain(v, k[slot][0], hits[slot], tally);
         if (out.hit[slot] && !out.vague[slot])
             check_hit(v, k[slot][0], hits[slot], out.radius[slot][0], way_of(v), tally);
     }
     for (size_t i = 0; i < count; ++i) {
         bool answered = roots[i].k - tnear <= 0x1p-22 * roots[i].k;
         for (unsigned slot = 0; slot < 2; ++slot) {
-            if (!out.hit[slot]) continue;
+            if (!out.hit[slot] && !out.vague[slot]) continue;
             float t = k[slot][0], hit[5];
             memcpy(hit, hits[slot], sizeof hit);
             answered |= is_root(v, &t, hit, out.vague[slot], out.radius[slot][0], &roots[i]) != ANOTHER;
         }
         CHECK(answered, "%s: not among the %u that a tangent ray is certified to have", describe(v, &roots[i]),
-              out.hit[0] + out.hit[1]);
+              (out.hit[0] | out.vague[0]) + (out.hit[1] | out.vague[1]));
     }
 }
 
@@ -317,7 +334,7 @@ static bool cell_answers(const visit *v, const ep_cells *cells, unsigned c, cons
     const bool vague = cells->vague >> c & 1;
     if ((cells->open | cells->more) >> c & 1) return true;
     snprintf(why, 100, "none in %.9g +- %.3g", middle, reach);
-    if (!(cells->hit >> c & 1)) return false;
+    if (!((cells->hit | cells->vague) >> c & 1)) return false;
     const found f = is_root(v, &k, hit, vague, cells->radius[c], r);
     snprintf(why, 100, "another%s, at %.9g, in %.9g +- %.3g", vague ? ", vague" : "", k, middle, reach);
     return f != ANOTHER || (vague && !(fabs(k - middle) <= 3 * reach));
@@ -339,9 +356,9 @@ static void check_cells(const visit *v, const root *roots, size_t count, const f
         float fields[5];
         for (unsigned f = 0; f < 5; ++f) fields[f] = cells.fields[f * EP_PACKET + c];
         ++tally->cells;
-        tally->cell_hit += hit;
+        tally->cell_hit += hit || vague;
         tally->cell_open += (cells.open | cells.more) >> c & 1;
-        if (hit && !vague) check_hit(v, cells.t[c], fields, cells.radius[c], way, tally);
+        if (hit) check_hit(v, cells.t[c], fields, cells.radius[c], way, tally);
     }
     for (unsigned ray = 0; ray < EP_PACKET; ray += EP_CELLS)
         for (size_t i = 0; i < count; ++i) {
@@ -573,8 +590,9 @@ static void check_patches(family family, uint64_t rays)
 {
     tally t = {0};
     for (uint64_t k = 0; k < rays / RAYS_OF_PATCH; k += TEST_STEP) check_patch(k, family, &t);
-    print_message("%.0f rays, %.0f roots; none %.0f, hit %.0f, vague %.0f, slow %.0f\n", (double)t.rays,
-                  (double)t.roots, (double)t.none, (double)t.hit, (double)t.vague, (double)t.slow);
+    print_message("%.0f rays, %.0f roots; none %.0f, hit %.0f, vague %.0f, slow %.0f, vague and certain %.0f\n",
+                  (double)t.rays, (double)t.roots, (double)t.none, (double)t.hit, (double)t.vague, (double)t.slow,
+                  (double)t.certain);
     print_message("tangent kernel: hit %.0f, open %.0f\n", (double)t.tangent_hit, (double)t.tangent_open);
     print_message("%.0f cells, hit %.0f, open %.0f; errors of what is promised: place %.2g, t %.2g, normal %.2g\n",
                   (double)t.cells, (double)t.cell_hit, (double)t.cell_open, t.place, t.t, t.normal);

@@ -120,6 +120,7 @@ EP_INLINE w_visit w_approach(const ep_leaf *leaf, int triangle, const w_rays *r,
     v.p_max = w_max(w_abs(v.p_s), w_abs(v.p_t));
     v.way = v.far = v.radius = v.first = v.last = v.parts = w_set(0.0f);
     v.tnear = r->tnear;
+    v.tfar = r->tfar;
     v.s = v.o.x;
     v.t = v.o.y;
     way->d = d;

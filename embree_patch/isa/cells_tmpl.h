@@ -93,18 +93,18 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
         v.last = height;
         w_near here = w_here(&v);
         w_fold(leaf, &v, &wait, triangle, &here, &jet, fresh);
-        uint32_t live = w_bits(v.live), hit = 0;
+        uint32_t live = w_bits(v.live), hit = 0, vague = 0;
         while (live) {
             jet = w_surface_at(net, &v, triangle, m, n, rational);
             here = w_here(&v);
             const w_step step = w_advance(leaf, &v, triangle, 1, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, step.stuck);
             const w_f t = v.moved + w_fma(step.height, v.inverse, cell);
-            const w_m found = w_and(step.hit, w_nearly(&step, v.moved, t, r.tnear, w_set(INFINITY)));
+            const w_m found = w_and(step.hit, w_nearly(t, w_late(&step, v.moved, t), r.tnear, w_set(INFINITY)));
             const uint32_t bits = w_bits(found);
             if (bits) {
                 hit |= bits;
-                out->vague |= w_bits(w_and(found, w_or(step.vague, w_is_astray(leaf, &v)))) << base;
+                vague |= w_bits(w_and(found, w_or(step.vague, w_is_astray(leaf, &v))));
                 w_store(out->t + base, bits, t);
                 w_store(out->radius + base, bits, step.radius);
                 w_put_hit(leaf, triangle, &jet, &step, out->fields + base, EP_PACKET, bits);
@@ -112,7 +112,8 @@ EP_INLINE void w_cells(const ep_leaf *leaf, const float *net, const float *ray, 
             w_next(&v, &wait, w_mask(~hit));
             live = w_bits(v.live);
         }
-        out->hit |= hit << base;
+        out->hit |= (hit & ~vague) << base;
+        out->vague |= vague << base;
         out->more |= (w_bits(wait.full[0]) & hit) << base;
         out->open |= w_bits(v.slow) << base;
     }

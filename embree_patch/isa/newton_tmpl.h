@@ -62,7 +62,7 @@ typedef struct w_visit {
     w_f radius;            /* all roots are within this of it                             */
     w_f first, last;       /* fold_tmpl.h: between these heights above the moved origin   */
     w_f parts;             /* ... and in how many steps that has been divided             */
-    w_f tnear;             /* the ray's                                                   */
+    w_f tnear, tfar;       /* the ray's                                                   */
     w_m live;              /* neither certified to miss nor slow                          */
     w_m slow;
 } w_visit;
@@ -79,6 +79,7 @@ typedef struct w_step {
     w_f height;               /* the root's above the moved origin            */
     w_f late;                 /* its t is no farther from the truth than this */
     w_m hit, vague;           /* vague: float says that there is one, double has to say where */
+    w_m rim;                  /* it may be beside the leaf                      */
     w_m stuck;                /* neither, and the neighbourhood does not shrink               */
 } w_step;
 
@@ -286,7 +287,8 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
     /* from c', too, Newton's method in double goes to this root */
     const w_m sure = w_and(unique, w_le(ge, w_set(EP_SURE)));
     const w_m done = w_and(w_and(w_le(length, w_set(EP_NEAR)), near), sure);
-    r.vague = w_or(w_lt(w_set(EP_FLAT), margin), w_and(w_lt(w_set(EP_SHARP), r.radius), w_le(-outside, r.radius)));
+    r.rim = w_le(-outside, r.radius);
+    r.vague = w_or(w_lt(w_set(EP_FLAT), margin), w_and(w_lt(w_set(EP_SHARP), r.radius), r.rim));
     /* the height's derivatives, at y and by how they turn, times how far the root may be from c', and what the model
      * leaves of it there: like b', of the height alone */
     const w_f far = length + margin, slope = w_fma(w_set(leaf->bend_h), far, w_abs(j->ds.z) + w_abs(j->dt.z));
@@ -314,11 +316,22 @@ EP_INLINE w_step w_advance(const ep_leaf *leaf, w_visit *v, int triangle, int gr
     return r;
 }
 
-/* May the root of a step, at t, `base` of it being the moved origin's, be between `after` and `before`? */
-EP_INLINE w_m w_nearly(const w_step *step, w_f base, w_f t, w_f after, w_f before)
+/* How far t, `base` of it being the moved origin's, may be from that of a step's root. */
+EP_INLINE w_f w_late(const w_step *step, w_f base, w_f t)
 {
-    const w_f late = w_fma(w_set(EP_TERMS), w_abs(base) + w_abs(t), step->late);
+    return w_fma(w_set(EP_TERMS), w_abs(base) + w_abs(t), step->late);
+}
+
+/* May the root be between `after` and `before`? */
+EP_INLINE w_m w_nearly(w_f t, w_f late, w_f after, w_f before)
+{
     return w_and(w_lt(after, t + late), w_le(t - late, before));
+}
+
+/* Is a vague root certainly there, and in the leaf? */
+EP_INLINE w_m w_surely(const w_step *step, w_f t, w_f late, w_f after, w_f before)
+{
+    return w_andnot(w_and(w_lt(after, t - late), w_le(t + late, before)), step->rim);
 }
 
 /* The patch's parameters at (s, t) of a leaf. */

@@ -53,13 +53,16 @@ EP_INLINE ep_outcome w_packet(const ep_leaf *leaf, const float *net, const float
             const w_f before = w_load(ray + EP_RAY_TFAR * rays, rays - base);
             const w_m within = w_and(step.hit, w_and(w_lt(after, t), w_le(t, before)));
             const w_m vague = w_and(step.hit, step.vague);
-            w_m found = within;
-            if (w_bits(vague)) /* seldom, so that what it takes is not always computed */
-                found = w_or(found, w_and(vague, w_nearly(&step, visit.moved, t, after, before)));
+            w_m found = within, certain = within;
+            if (w_bits(vague)) { /* seldom, so that what it takes is not always computed */
+                const w_f late = w_late(&step, visit.moved, t);
+                found = w_or(found, w_and(vague, w_nearly(t, late, after, before)));
+                certain = w_andnot(within, w_andnot(vague, w_surely(&step, t, late, after, before)));
+            }
             const uint32_t bits = w_bits(found);
             if (bits) {
-                hit |= bits;
-                all_tie |= w_bits(w_and(within, w_le(before, t))) << base;
+                hit |= w_bits(certain);
+                all_tie |= w_bits(w_and(certain, w_le(before, t))) << base;
                 all_vague |= w_bits(w_and(found, step.vague)) << base;
                 w_store(t_out, bits, t);
                 w_put_hit(leaf, triangle, &jet, &step, hit_out, rays, bits);

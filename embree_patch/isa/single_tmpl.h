@@ -166,21 +166,23 @@ EP_INLINE ep_outcome f4_single(const ep_leaf *leaf, const float *net, const floa
             const bool vague = EP_SELDOM(EP_SHARP < left) && (EP_FLAT < margin || -outside <= left);
             const f4 above = f4_fma(j.t, step_t, f4_fma(j.s, step_s, f4_fma(curve, f4_lane(square, 0), j.f)));
             const float k = f1_fma(above[2], inverse[0], t_plane[0]);
-            if (!(tnear < k && k <= tfar)) {
-                if (!vague) return none;
+            bool certain = tnear < k && k <= tfar;
+            if (!certain && !vague) return none;
+            if (vague) {
                 const float bend_h = leaf->bend_h;
                 const float grade = f1_fma(bend_h, length + margin, f1_abs(j.s[2]) + f1_abs(j.t[2]));
                 const float slack = f1_fma(leaf->twist_h, e, bend_h * f1_fma(ge, third, EP_CURVE));
                 const float lift = (0.5f * e) * e * slack;
                 const float late = f1_fma(EP_TERMS, f1_abs(t_plane[0]) + f1_abs(k),
                                           (f1_fma(grade, margin, (leaf->noise_h + more)) + lift) * f1_abs(inverse[0]));
-                if (!(tnear < k + late && k - late <= tfar)) return none;
+                if (!certain && !(tnear < k + late && k - late <= tfar)) return none;
+                certain = certain && tnear < k - late && k + late <= tfar && !(-outside <= left);
             }
             *t_out = k;
             const f4 twice_s = step_s + step_s, twice_t = step_t + step_t;
             f4_put_hit(leaf, triangle, found, f4_fma(j.st, step_t, f4_fma(j.ss, twice_s, j.s)),
                        f4_fma(j.tt, twice_t, f4_fma(j.st, step_s, j.t)), hit_out);
-            return (ep_outcome){1, k == tfar, vague, 0};
+            return (ep_outcome){certain, certain && k == tfar, vague, 0};
         }
         if (radius + margin < f4_norm(step)) return none;
         if (!(left < 0.75f * radius)) return slow;

@@ -56,7 +56,7 @@ EP_INLINE void w_share(w_visit *v, w_stack *wait, unsigned ray[EP_LANES])
         taken |= 1u << a;
     }
     w_f *const fields[] = {&v->p_s, &v->p_t, &v->p_max,    &v->inverse, &v->moved, &v->o.x,
-                           &v->o.y, &v->o.z, &v->noise_st, &v->noise_h, &v->tnear};
+                           &v->o.y, &v->o.z, &v->noise_st, &v->noise_h, &v->tnear, &v->tfar};
     for (size_t k = 0; k < sizeof fields / sizeof *fields; ++k) *fields[k] = w_permute(*fields[k], from);
     const w_near next = {w_permute(wait->near[0].s, from),      w_permute(wait->near[0].t, from),
                          w_permute(wait->near[0].radius, from), w_permute(wait->near[0].first, from),
@@ -65,24 +65,24 @@ EP_INLINE void w_share(w_visit *v, w_stack *wait, unsigned ray[EP_LANES])
     w_pop(wait, w_mask(taken));
 }
 
-/* A root: t, how accurate it is, whether it is vague, Ng, u and v. */
-enum { EP_ROOT_T, EP_ROOT_RADIUS, EP_ROOT_VAGUE, EP_ROOT_HIT, EP_ROOT_FIELDS = EP_ROOT_HIT + 5 };
+/* A root: t, how accurate it is, 1 if it is certain plus 2 if it is vague, Ng, u and v. */
+enum { EP_ROOT_T, EP_ROOT_RADIUS, EP_ROOT_KIND, EP_ROOT_HIT, EP_ROOT_FIELDS = EP_ROOT_HIT + 5 };
 
 static void get_root(const ep_roots *out, unsigned k, unsigned rays, unsigned ray, float root[EP_ROOT_FIELDS])
 {
     root[EP_ROOT_T] = out->t[k][ray];
     root[EP_ROOT_RADIUS] = out->radius[k][ray];
-    root[EP_ROOT_VAGUE] = out->vague[k] >> ray & 1 ? 1.0f : 0.0f;
+    root[EP_ROOT_KIND] = (float)((out->hit[k] >> ray & 1) + 2 * (out->vague[k] >> ray & 1));
     for (unsigned f = 0; f < 5; ++f) root[EP_ROOT_HIT + f] = out->hits[k][f * rays + ray];
 }
 
 static void put_root(ep_roots *out, unsigned k, unsigned rays, unsigned ray, const float root[EP_ROOT_FIELDS])
 {
-    const uint32_t bit = 1u << ray;
-    out->hit[k] |= bit;
+    const uint32_t bit = 1u << ray, kind = (uint32_t)root[EP_ROOT_KIND];
+    out->hit[k] = (out->hit[k] & ~bit) | (kind & 1) << ray;
+    out->vague[k] = (out->vague[k] & ~bit) | kind >> 1 << ray;
     out->t[k][ray] = root[EP_ROOT_T];
     out->radius[k][ray] = root[EP_ROOT_RADIUS];
-    out->vague[k] = (out->vague[k] & ~bit) | (root[EP_ROOT_VAGUE] > 0 ? bit : 0);
     for (unsigned f = 0; f < 5; ++f) out->hits[k][f * rays + ray] = root[EP_ROOT_HIT + f];
 }
 
@@ -91,9 +91,9 @@ static void add_root(ep_roots *out, unsigned rays, unsigned ray, const float roo
 {
     float other[EP_ROOT_FIELDS];
     unsigned f = 0;
-    if (out->hit[1] >> ray & 1) {
+    if ((out->hit[1] | out->vague[1]) >> ray & 1) {
         out->open |= 1u << ray;
-    } else if (out->hit[0] >> ray & 1) {
+    } else if ((out->hit[0] | out->vague[0]) >> ray & 1) {
         get_root(out, 0, rays, ray, other);
         while (f + 1 < EP_ROOT_FIELDS && root[f] == other[f]) ++f;
         put_root(out, root[f] < other[f], rays, ray, other);
@@ -125,9 +125,11 @@ EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray
             const w_step step = w_advance(leaf, &v, triangle, 1, &jet);
             if (w_bits(step.stuck)) w_fold(leaf, &v, &wait, triangle, &here, &jet, step.stuck);
             const w_f t = w_fma(step.height, v.inverse, v.moved);
-            uint32_t found = w_bits(w_and(step.hit, w_nearly(&step, v.moved, t, v.tnear, w_set(INFINITY))));
+            const w_f late = w_late(&step, v.moved, t);
+            uint32_t found = w_bits(w_and(step.hit, w_nearly(t, late, v.tnear, w_set(INFINITY))));
             if (found) {
                 const uint32_t vague = w_bits(w_or(step.vague, w_is_astray(leaf, &v)));
+                const uint32_t certain = w_bits(w_surely(&step, t, late, v.tnear, v.tfar));
                 alignas(64) float roots[EP_ROOT_FIELDS * EP_LANES];
                 w_store(roots + EP_ROOT_T * EP_LANES, ~0u, t);
                 w_store(roots + EP_ROOT_RADIUS * EP_LANES, ~0u, step.radius);
@@ -136,7 +138,7 @@ EP_INLINE void w_tangent(const ep_leaf *leaf, const float *net, const float *ray
                     const unsigned k = (unsigned)__builtin_ctz(found);
                     float root[EP_ROOT_FIELDS];
                     for (unsigned f = 0; f < EP_ROOT_FIELDS; ++f) root[f] = roots[f * EP_LANES + k];
-                    root[EP_ROOT_VAGUE] = vague >> k & 1 ? 1.0f : 0.0f;
+                    root[EP_ROOT_KIND] = vague >> k & 1 ? 2.0f + (float)(certain >> k & 1) : 1.0f;
                     add_root(out, rays, whose[k], root);
                 }
             }

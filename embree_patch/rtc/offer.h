@@ -154,6 +154,13 @@ static inline const ep_patch *ep_patch_of(const ep_query *q)
  * their t is the same float, the smaller primID, then u, v and Ng decide, not which leaf came first. */
 bool ep_in_front(const ep_query *q, unsigned lane, const ep_candidates *c);
 
+/* Which vague candidates have to be found again: for an occlusion query it is enough that there is a root, unless a
+ * trim asks where. */
+static inline uint32_t ep_to_polish(const ep_query *q, uint32_t hit, uint32_t vague)
+{
+    return q->intersect || q->leaf->trim ? vague : vague & ~hit;
+}
+
 /* Finds a vague candidate again in double. */
 ep_polished ep_polish_candidate(const ep_query *q, unsigned lane, ep_candidates *c);
 

@@ -11,10 +11,11 @@
 /* Those of the kernel's candidates that are to be offered. Lanes whose vague root is lost are slow. */
 static uint32_t settle(const ep_query *q, ep_outcome *o, ep_candidates *c)
 {
-    uint32_t front = o->hit;
-    for (uint32_t rest = o->tie | o->vague; rest; rest &= rest - 1) {
+    const uint32_t again = ep_to_polish(q, o->hit, o->vague);
+    uint32_t front = o->hit | again;
+    for (uint32_t rest = o->tie | again; rest; rest &= rest - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(rest);
-        const ep_polished found = o->vague >> lane & 1 ? ep_polish_candidate(q, lane, c) : EP_POLISHED;
+        const ep_polished found = again >> lane & 1 ? ep_polish_candidate(q, lane, c) : EP_POLISHED;
         o->slow |= (uint32_t)(found == EP_POLISHED_LOST) << lane;
         if (found != EP_POLISHED || !ep_in_front(q, lane, c)) front &= ~(1u << lane);
     }
@@ -33,7 +34,7 @@ static __attribute__((noinline)) uint32_t answer(const ep_query *q, ep_outcome o
 
 static inline bool is_open(ep_outcome o)
 {
-    return (o.hit | o.slow) != 0;
+    return (o.hit | o.vague | o.slow) != 0;
 }
 
 /* What a single ray meets. */

@@ -149,7 +149,7 @@ static void take_cells(search *s, const ep_cells *cells, unsigned first, float f
         const double t = (double)cells->middle[at], rounding = 0x1p-22 * fabs(t); /* cells are given in float */
         const double reach = (double)cells->reach[at] + rounding;
         bool open = (cells->open | cells->more) >> at & 1, lost = false;
-        if (cells->hit >> at & 1) {
+        if ((cells->hit | cells->vague) >> at & 1) {
             s->c.t[0] = cells->t[at];
             for (unsigned f = 0; f < 5; ++f) s->c.hit[f] = cells->fields[f * EP_PACKET + at];
             const bool vague = cells->vague >> at & 1;
@@ -172,17 +172,18 @@ typedef struct pair {
     float extent;
 } pair;
 
-/* Finds vague roots again in double; lanes where one is lost are open. */
+/* Finds vague roots again in double: hits are certain then. Lanes where one is lost are open. */
 static void polish_roots(const ep_query *q, pair *p)
 {
     ep_roots *roots = &p->roots;
     for (unsigned k = 0; k < 2; ++k)
-        for (uint32_t rest = roots->vague[k] & ~roots->open; rest; rest &= rest - 1) {
+        for (uint32_t rest = ep_to_polish(q, roots->hit[k], roots->vague[k]) & ~roots->open; rest; rest &= rest - 1) {
             const unsigned lane = (unsigned)__builtin_ctz(rest);
+            const uint32_t bit = 1u << lane;
             const ep_polished found = ep_polish_candidate(q, lane, k ? &p->other : p->c);
+            roots->hit[k] = found == EP_POLISHED ? roots->hit[k] | bit : roots->hit[k] & ~bit;
             if (found == EP_POLISHED) roots->radius[k][lane] = exact_radius / p->extent;
-            else roots->hit[k] &= ~(1u << lane);
-            if (found == EP_POLISHED_LOST) roots->open |= 1u << lane;
+            if (found == EP_POLISHED_LOST) roots->open |= bit;
         }
 }
 
