@@ -29,6 +29,7 @@ import xml.etree.ElementTree
 
 EPATCH = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else sys.exit(__doc__)
 CAD = os.path.join(os.path.dirname(os.path.abspath(__file__)), "cad")
+DATA = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data")
 MISS = 0xFFFFFFFF
 passed = failed = 0
 
@@ -1392,6 +1393,18 @@ def test_bench():
         rows = json.loads(r.out)["degrees"]
         check([d["degree"] for d in rows] == [[n, n] for n in range(2, 7)] and
               all(d["mpixels"] > 0 and d["coverage"] == 1 for d in rows), f"bench --degrees: {rows}")
+    for isa in ("plain", "best"):
+        r = Run("bench", os.path.join(DATA, "teapot.bpt"), "--newton", "--json", "--runs", "1", "--rays", "65536",
+                "--workloads", "primary1,primary16,random1", "--isa", isa)
+        if works(r):
+            rows = json.loads(r.out)["workloads"]
+            check(list(rows) == ["primary1", "primary16", "random1"], f"bench --newton: {list(rows)}")
+            for name_of, row in rows.items():
+                check(row["mrays"] > 0 and row["mrays_newton"] > 0 and row["hits"] > 1000, f"bench --newton: {row}")
+                # it is the same method, and loses hardly anything
+                check(row["lost"] < .001 * row["hits"] and row["wrong"] < .01 * row["hits"], f"bench --newton: {row}")
+    r = Run("bench", name, "--newton", *BENCH)
+    check(works(r) and "certified" in r.out.decode(), f"bench --newton: {r.out.decode()}")
 
     for args, pattern in [
         ((), "SCENE is missing"),
@@ -1404,6 +1417,8 @@ def test_bench():
         ((name, "--plot", "picture.png"), "not the name of an .svg file"),
         ((name, "--stats", "-"), "--json writes to standard output"),
         ((name, "--degrees"), "is too much"),
+        ((name, "--newton", "--trims"), "exclude each other"),
+        ((name, "--newton", "--stats", "s"), "goes with none of"),
     ]:
         refuses(Run("bench", *args), 2, pattern)
     refuses(Run("bench", "missing.json", *BENCH), 1, r"missing\.json: cannot open")

@@ -151,4 +151,7 @@ bool bench_plot(const bench *b, const char *path); /* false after a message */
 typedef enum bench_form { BENCH_TEXT, BENCH_MARKDOWN, BENCH_JSON } bench_form;
 bool bench_degrees(const bench_options *o, bench_form form);
 
+/* bench_newton.c: the kernels beside ordinary ones, which certify nothing. False after a message. */
+bool bench_newton(const char *path, const bench_options *o, bench_form form);
+
 #endif

@@ -13,7 +13,7 @@
 
 typedef struct bench_command {
     const char *scene, *stats, *plot;
-    bool json, markdown, degrees, trims, trim_curves, trim_costs, all_threads;
+    bool json, markdown, degrees, newton, trims, trim_curves, trim_costs, all_threads;
     unsigned threads, megabytes, methods;
     bench_options options;
 } bench_command;
@@ -59,6 +59,7 @@ static bool run_other(const bench_command *c)
 {
     const bench_form form = c->json ? BENCH_JSON : c->markdown ? BENCH_MARKDOWN : BENCH_TEXT;
     if (c->degrees) return bench_degrees(&c->options, form);
+    if (c->newton) return bench_newton(c->scene, &c->options, form);
     if (c->trims) return bench_trims(c->scene, &c->options, c->methods, form);
     return c->trim_curves ? bench_trim_curves(&c->options, c->methods, form) : bench_trim_costs(&c->options, form);
 }
@@ -122,6 +123,9 @@ int cmd_bench(int argc, char **argv)
         ARG_FLAG("--degrees", &c.degrees,
                  "instead of a SCENE: patches of degree 2x2 to 6x6 that\nfill the picture, beside the speeds that "
                  "Pabst et al.\nmeasured on a GPU in 2006"),
+        ARG_FLAG("--newton", &c.newton,
+                 "instead of tessellations: the same kernels without\ncertificates, which is Newton's method as usual, "
+                 "and\nwhat that loses"),
         ARG_FLAG("--trims", &c.trims,
                  "instead of tessellations: each trimmed geometry of the\nscene, all of its hits tested, or its leaves "
                  "divided in\nseveral ways"),
@@ -152,12 +156,14 @@ int cmd_bench(int argc, char **argv)
         return args_wrong(&table, "--plot is '%s', not the name of an .svg file", c.plot);
     if (c.degrees && (c.plot || c.stats || c.all_threads))
         return args_wrong(&table, "--degrees goes with none of --plot, --stats and --all-threads");
-    if (c.degrees + c.trims + c.trim_curves + c.trim_costs > 1)
-        return args_wrong(&table, "--degrees, --trims, --trim-curves and --trim-costs exclude each other");
+    if (c.degrees + c.newton + c.trims + c.trim_curves + c.trim_costs > 1)
+        return args_wrong(&table, "--degrees, --newton, --trims, --trim-curves and --trim-costs exclude each other");
+    if (c.newton && (c.plot || c.stats || c.all_threads))
+        return args_wrong(&table, "--newton goes with none of --plot, --stats and --all-threads");
     if ((c.trims || c.trim_curves || c.trim_costs) && (c.plot || c.stats || c.all_threads || c.options.scene_camera))
         return args_wrong(&table, "--trims, --trim-curves and --trim-costs go with none of --plot, --stats, "
                                   "--scene-camera and --all-threads");
     c.options.build.isa = sets[isa];
     settle(&c);
-    return (c.degrees || c.trims || c.trim_curves || c.trim_costs ? run_other(&c) : run(&c)) ? 0 : 1;
+    return (c.degrees || c.newton || c.trims || c.trim_curves || c.trim_costs ? run_other(&c) : run(&c)) ? 0 : 1;
 }
