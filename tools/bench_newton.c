@@ -27,7 +27,7 @@
 
 /* How Newton's answers differ, in rays. */
 typedef struct faults {
-    size_t hits, lost, wrong; /* wrong: a hit for a miss, or another hit */
+    size_t hits, lost, wrong; /* wrong: another hit, or one for a miss */
 } faults;
 
 typedef struct newton_row {
@@ -204,7 +204,7 @@ static void print(const newton *n, const bench_options *o, bool markdown)
     table_print(&t, markdown);
     printf(
         "\nNewton: the same leaves and start, but no certificates; a ray that is not at a root after %d steps misses.\n"
-        "Lost and wrong: of the hits that there are, those that it misses, and those that it has for others.\n",
+        "Of all hits: lost, where it misses; wrong, where it has another, as a rule what is behind.\n",
         NEWTON_STEPS);
 }
 
