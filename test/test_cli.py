@@ -1716,6 +1716,10 @@ def test_cad_gaps():
     # a little farther out there is nothing
     outside = [down(-.01, 4, 9), down(5, 8.01, 9), down(40.01, 4, 9), down(35, -.01, 9), down(23.01, 4, 9)]
     check(all(h[3] == MISS for h in trace(gaps, outside)), "gaps.brep: faces reach too far")
+    # exactly through the apex, which the twelve digits of the file leave open
+    rays = [(x, y, z, 0, -x, -y, 9 - z, math.inf) for x in (-1.5, -.25, .5, 1) for y in (-1, 0, .75) for z in (1, 2.5)]
+    lost = [r for r, h in zip(rays, trace(os.path.join(CAD, "cone.step"), rays)) if not abs(h[0] - 1) < 1e-6]
+    check(not lost, f"cone.step: {len(lost)} of {len(rays)} rays leave through the apex: {lost[:3]}")
 
 
 def test_cad_narrow():

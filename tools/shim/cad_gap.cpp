@@ -8,7 +8,10 @@
  *
  * A face has to reach the edge, which may be farther out than its side; past the other face, if that is off the edge,
  * for where they meet at an angle; and where they meet smoothly and one is above the other, so far that few rays slip
- * through between. What reaches farther is in the way of other rays. */
+ * through between. What reaches farther is in the way of other rays.
+ *
+ * A pole has an edge, too, which is a point. Where the surface ends before, in a circle that is tiny, it goes on across
+ * that. */
 #include "tools/shim/cad_gap.h"
 
 #include <BRep_Tool.hxx>
@@ -30,8 +33,9 @@ namespace
 constexpr int last_sample = 16;
 constexpr double between = 1.25; /* what may be missed between two samples */
 constexpr double past_own = 2, past_other = 0.5;
-constexpr double rounding = 0x1p-44; /* of coordinates: no gap */
-constexpr size_t most = 8;           /* other faces: in a book of thousands that is enough */
+constexpr double rounding = 0x1p-44;  /* of coordinates: no gap */
+constexpr double most_of_a_pole = 10; /* of its tolerance: else it is none */
+constexpr size_t most = 8;            /* other faces: in a book of thousands that is enough */
 
 /* Where the edge is nearest to p, from t on by Newton's method. */
 gp_Pnt nearest(const Handle(Geom_Curve) & c, double from, double to, double t, const gp_Pnt &p)
@@ -113,6 +117,23 @@ std::vector<edge_gap> measure_gaps(const TopoDS_Edge &edge, const TopoDS_Face &f
                                  std::max({said, own_gap, other}));
     }
     return all;
+}
+
+edge_gap measure_pole(const TopoDS_Edge &edge, const TopoDS_Face &face, double first, double last)
+{
+    double from, to, around = 0;
+    const Handle(Geom2d_Curve) side = BRep_Tool::CurveOnSurface(edge, face, from, to);
+    const Handle(Geom_Surface) s = BRep_Tool::Surface(face);
+    const auto point = [&](double t) {
+        const gp_Pnt2d at = side->Value(t);
+        return s->Value(at.X(), at.Y());
+    };
+    const gp_Pnt begin = point(first);
+    for (int i = 1; i < last_sample; ++i)
+        around = std::max(around, point(first + (last - first) * i / last_sample).Distance(begin));
+    const bool is_point = around <= most_of_a_pole * BRep_Tool::Tolerance(edge);
+    const double gap = is_point && around > rounding * begin.XYZ().Modulus() ? between * around : 0;
+    return {gap, gap};
 }
 
 } // namespace cad

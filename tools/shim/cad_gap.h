@@ -24,5 +24,8 @@ using edge_gap = std::array<double, 2>;
 std::vector<edge_gap> measure_gaps(const TopoDS_Edge &edge, const TopoDS_Face &face, double first, double last,
                                    const face_map &faces);
 
+/* ... and where the side is one point, a pole. */
+edge_gap measure_pole(const TopoDS_Edge &edge, const TopoDS_Face &face, double first, double last);
+
 } // namespace cad
 #endif

@@ -60,8 +60,8 @@ side take_edge(const TopoDS_Edge &edge, const TopoDS_Face &face, const face_map 
     if (!(first < last)) throw unusable("an edge of it has no length");
     const curve b = Geom2dConvert::CurveToBSplineCurve(new Geom2d_TrimmedCurve(c, first, last));
     if (b->IsPeriodic()) b->SetNotPeriodic();
-    const bool is_own = BRep_Tool::Degenerated(edge) || BRep_Tool::IsClosed(edge, face);
-    if (is_own) return {b, {{0, 0}}};
+    if (BRep_Tool::Degenerated(edge)) return {b, {measure_pole(edge, face, first, last)}};
+    if (BRep_Tool::IsClosed(edge, face)) return {b, {{0, 0}}};
     return {b, measure_gaps(edge, face, first, last, faces)};
 }
 
