@@ -26,7 +26,8 @@
  *   tfar      the distance to the hit in units of the ray's direction, which need not be a unit vector.
  *
  * Embree's features: occlusion queries, packets of 1, 4, 8 and 16 rays, geometry and query filters (called once for
- * every root, nearest first), ray masks, instances of any depth. The program that queries the scene must leave
+ * every root, nearest first; those of occlusion queries get a nearly tangent ray's root as float has it, without the
+ * digits that double adds), ray masks, instances of any depth. The program that queries the scene must leave
  * RTCIntersectArguments::intersect and RTCOccludedArguments::occluded NULL (Embree 4): they would replace ours.
  *
  * Threads: a committed geometry may be traced and read from any number of threads. Building one geometry belongs

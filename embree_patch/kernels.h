@@ -20,12 +20,13 @@ enum { EP_HIT_NG = 0, EP_HIT_U = 3, EP_HIT_V = 4 };
 #define EP_PACKET 16
 
 /* One bit a lane; all of it fits into a register. A lane in no set is certified to miss the leaf within (tnear, tfar).
- */
+ * t[] and hit[] hold a root for `hit` and for `vague`: the leaf's only one in (tnear, tfar], certainly, where hit is
+ * set; ep_polish has to find it again where vague is, and where only that is, also to say whether it is in there. */
 typedef struct ep_outcome {
-    uint16_t hit;   /* certain: t[] and hit[] hold the leaf's only root in (tnear, tfar]                    */
-    uint16_t tie;   /* those of them at tfar itself: in front of the ray's hit or behind it?                */
-    uint16_t vague; /* ... whose place ep_polish has to find; those that are no hits it has to find in there */
-    uint16_t slow;  /* undecided: look closer                                                               */
+    uint16_t hit;
+    uint16_t tie; /* those of hit at tfar itself: in front of the ray's hit or behind it? */
+    uint16_t vague;
+    uint16_t slow; /* undecided: look closer                                              */
 } ep_outcome;
 
 /* `net` is the leaf's own. */
