@@ -25,10 +25,14 @@
  *             came from. Where the derivatives vanish (a collapsed edge) it is the limit from inside the patch.
  *   tfar      the distance to the hit in units of the ray's direction, which need not be a unit vector.
  *
- * Embree's features: occlusion queries, packets of 1, 4, 8 and 16 rays, geometry and query filters (called once for
- * every root, nearest first; those of occlusion queries get a nearly tangent ray's root as float has it, without the
- * digits that double adds), ray masks, instances of any depth. The program that queries the scene must leave
- * RTCIntersectArguments::intersect and RTCOccludedArguments::occluded NULL (Embree 4): they would replace ours.
+ * Embree's features: occlusion queries, packets of 1, 4, 8 and 16 rays, geometry and query filters, ray masks,
+ * instances of any depth. The program that queries the scene must leave RTCIntersectArguments::intersect and
+ * RTCOccludedArguments::occluded NULL (Embree 4): they would replace ours.
+ *
+ * Filters are called for every root. One on the border that two pieces of a patch or two patches share may come twice,
+ * once from either, with the same place to rounding. Roots of one piece come nearest first; pieces come as Embree finds
+ * them. An occlusion query's filter gets a nearly tangent ray's root as float has it, without the digits that double
+ * adds.
  *
  * Threads: a committed geometry may be traced and read from any number of threads. Building one geometry belongs
  * to one thread at a time; different geometries are independent.
