@@ -23,7 +23,8 @@
  *   u, v      the patch's own parameters (see epAddBezierTriangles and epAddBezierPatches), or the face's.
  *   Ng        dP/du x dP/dv, not normalised, in the space of the geometry. It does not depend on the side the ray
  *             came from. Where the derivatives vanish (a collapsed edge) it is the limit from inside the patch.
- *   tfar      the distance to the hit in units of the ray's direction, which need not be a unit vector.
+ *   tfar      the distance to the hit in units of the ray's direction, which need not be a unit vector. Hits are
+ *             between the ray's tnear and tfar, at neither.
  *
  * Embree's features: occlusion queries, packets of 1, 4, 8 and 16 rays, geometry and query filters, ray masks,
  * instances of any depth. The program that queries the scene must leave RTCIntersectArguments::intersect and

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: Apache-2.0 */
 #include "test/support.h"
 
+#include <limits.h>
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -196,6 +197,51 @@ static void filters(void **state)
         free_scene(&s);
     }
     oracle_free(o);
+}
+
+/* How often a filter that refuses everything is asked. */
+static int count_roots(RTCScene scene, bool occluded, const float org[3], const float dir[3])
+{
+    test_packet packet;
+    memset(&filter_log, 0, sizeof filter_log);
+    filter_log.refuse = INT_MAX;
+    set_ray(&packet, 1, 0, org, dir, 0, INFINITY);
+    if (occluded) ep_rtc_occluded(scene, 1, packet.valid, packet.f, false);
+    else ep_rtc_intersect(scene, 1, packet.valid, packet.f, false);
+    return filter_log.asked[0];
+}
+
+/* Of nearly tangent rays, whose two roots are close together, a filter is asked about both, whatever the query. */
+static void filters_of_close_roots(void **state)
+{
+    (void)state;
+    int twice = 0;
+    for (uint64_t k = 0; k < 60; ++k) {
+        rng r = rng_split(12, 0, k);
+        test_patch p;
+        random_patch(&r, STYLE_WILD, k % 2, (patch_limits){7, 1}, &p);
+        test_scene s = filtered(&p, 7);
+        for (int i = 0; i < 1500; ++i) {
+            double u = rng_in(&r, 0.05, 0.95), v = rng_in(&r, 0.05, 0.95), x[3], xu[3], xv[3];
+            if (p.shape.triangle && u + v > 0.95) u = 0.5 * u, v = 0.4 * v;
+            evaluate_patch(&p, u, v, x, xu, xv);
+            const double angle = rng_in(&r, 0, 6.283185307179586), a = cos(angle), b = sin(angle);
+            const double away = rng_scale(&r, 1e-8, 1e-2) * (i % 2 ? 1 : -1);
+            float org[3], dir[3];
+            for (int c = 0; c < 3; ++c) {
+                const int c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+                const double along = a * xu[c] + b * xv[c], n = xu[c1] * xv[c2] - xu[c2] * xv[c1];
+                dir[c] = (float)along;
+                org[c] = (float)(x[c] + away * n - 0.5 * along);
+            }
+            const int roots = count_roots(s.scene, false, org, dir), shadows = count_roots(s.scene, true, org, dir);
+            CHECK(roots == shadows, "patch %d: %s: %d roots, and %d of a shadow ray", (int)k, ray_text(org, dir), roots,
+                  shadows);
+            twice += roots > 1;
+        }
+        free_scene(&s);
+    }
+    assert_true(twice > 10000);
 }
 
 #if EP_EMBREE == 3
@@ -511,6 +557,7 @@ int main(void)
         cmocka_unit_test(widths_agree),
         cmocka_unit_test(occluded_agrees),
         cmocka_unit_test(filters),
+        cmocka_unit_test(filters_of_close_roots),
 #if EP_EMBREE == 3
         cmocka_unit_test(query_filters),
 #endif

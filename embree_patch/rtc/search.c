@@ -172,19 +172,19 @@ typedef struct pair {
     float extent;
 } pair;
 
-/* Finds vague roots again in double: hits are certain then. Lanes where one is lost are open. */
-static void polish_roots(const ep_query *q, pair *p)
+/* Finds vague roots in place k again in double: hits are certain then. Lanes where one is lost are open. */
+static void polish_roots(const ep_query *q, pair *p, unsigned k, uint32_t lanes)
 {
     ep_roots *roots = &p->roots;
-    for (unsigned k = 0; k < 2; ++k)
-        for (uint32_t rest = ep_to_polish(q, roots->hit[k], roots->vague[k]) & ~roots->open; rest; rest &= rest - 1) {
-            const unsigned lane = (unsigned)__builtin_ctz(rest);
-            const uint32_t bit = 1u << lane;
-            const ep_polished found = ep_polish_candidate(q, lane, k ? &p->other : p->c);
-            roots->hit[k] = found == EP_POLISHED ? roots->hit[k] | bit : roots->hit[k] & ~bit;
-            if (found == EP_POLISHED) roots->radius[k][lane] = exact_radius / p->extent;
-            if (found == EP_POLISHED_LOST) roots->open |= bit;
-        }
+    for (lanes &= ~roots->open; lanes; lanes &= lanes - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(lanes);
+        const uint32_t bit = 1u << lane;
+        const ep_polished found = ep_polish_candidate(q, lane, k ? &p->other : p->c);
+        roots->hit[k] = found == EP_POLISHED ? roots->hit[k] | bit : roots->hit[k] & ~bit;
+        roots->vague[k] &= ~bit;
+        if (found == EP_POLISHED) roots->radius[k][lane] = exact_radius / p->extent;
+        if (found == EP_POLISHED_LOST) roots->open |= bit;
+    }
 }
 
 static void swap_roots(unsigned n, unsigned lane, pair *p)
@@ -197,18 +197,32 @@ static void swap_roots(unsigned n, unsigned lane, pair *p)
         first = &p->c->hit[f * n + lane];
         second = &p->other.hit[f * n + lane];
     }
+    uint32_t *vague = p->roots.vague;
+    const uint32_t differ = (vague[0] ^ vague[1]) & 1u << lane;
+    vague[0] ^= differ;
+    vague[1] ^= differ;
 }
 
-/* Where a ray has two roots the nearer one becomes the first, or the only one if they are the same. */
+/* Where a ray has two roots the nearer one becomes the first. */
 static void order_roots(unsigned n, pair *p)
 {
+    for (uint32_t rest = p->roots.hit[0] & p->roots.hit[1]; rest; rest &= rest - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(rest);
+        if (p->other.t[lane] < p->c->t[lane]) swap_roots(n, lane, p);
+    }
+}
+
+/* Where both are the same it keeps the first. As float has them that cannot be told of vague ones. */
+static void keep_different(const ep_query *q, pair *p)
+{
     ep_roots *roots = &p->roots;
+    const unsigned n = q->n;
+    for (unsigned k = 0; k < 2; ++k) polish_roots(q, p, k, roots->hit[0] & roots->hit[1] & roots->vague[k]);
     for (uint32_t rest = roots->hit[0] & roots->hit[1]; rest; rest &= rest - 1) {
         const unsigned lane = (unsigned)__builtin_ctz(rest);
         const float near = p->extent * (roots->radius[0][lane] + roots->radius[1][lane]);
         const float *a = &p->c->hit[EP_HIT_U * n + lane], *b = &p->other.hit[EP_HIT_U * n + lane];
         if (fabsf(a[0] - b[0]) <= near && fabsf(a[n] - b[n]) <= near) roots->hit[1] &= ~(1u << lane);
-        else if (p->other.t[lane] < p->c->t[lane]) swap_roots(n, lane, p);
     }
 }
 
@@ -235,11 +249,12 @@ static uint32_t take_roots(const ep_query *q, uint32_t *slow, uint32_t front, ep
     p.roots.t[1] = p.other.t;
     p.roots.hits[1] = p.other.hit;
     q->geometry->kernels->tangent[q->leaf->shape](q->leaf, q->net, q->ray, q->n, *slow, &p.roots);
-    polish_roots(q, &p);
+    for (unsigned k = 0; k < 2; ++k) polish_roots(q, &p, k, ep_to_polish(q, p.roots.hit[k], p.roots.vague[k]));
     order_roots(q->n, &p);
     front |= front_of(q, &p, 0);
     uint32_t accepted = front ? ep_offer(q, front, c) : 0;
     if (!q->intersect) p.roots.hit[1] &= ~accepted; /* any hit answers */
+    keep_different(q, &p);
     front = front_of(q, &p, 1);
     if (front) accepted |= ep_offer(q, front, &p.other);
     *slow = p.roots.open;
