@@ -212,14 +212,12 @@ static void order_roots(unsigned n, pair *p)
     }
 }
 
-/* Where both are the same it keeps the first. As float has them that cannot be told of vague ones. */
-static void keep_different(const ep_query *q, pair *p)
+/* Where both are the same, among `lanes`, it keeps the first. */
+static void keep_different(unsigned n, pair *p, uint32_t lanes)
 {
     ep_roots *roots = &p->roots;
-    const unsigned n = q->n;
-    for (unsigned k = 0; k < 2; ++k) polish_roots(q, p, k, roots->hit[0] & roots->hit[1] & roots->vague[k]);
-    for (uint32_t rest = roots->hit[0] & roots->hit[1]; rest; rest &= rest - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(rest);
+    for (lanes &= roots->hit[0] & roots->hit[1]; lanes; lanes &= lanes - 1) {
+        const unsigned lane = (unsigned)__builtin_ctz(lanes);
         const float near = p->extent * (roots->radius[0][lane] + roots->radius[1][lane]);
         const float *a = &p->c->hit[EP_HIT_U * n + lane], *b = &p->other.hit[EP_HIT_U * n + lane];
         if (fabsf(a[0] - b[0]) <= near && fabsf(a[n] - b[n]) <= near) roots->hit[1] &= ~(1u << lane);
@@ -251,10 +249,20 @@ static uint32_t take_roots(const ep_query *q, uint32_t *slow, uint32_t front, ep
     q->geometry->kernels->tangent[q->leaf->shape](q->leaf, q->net, q->ray, q->n, *slow, &p.roots);
     for (unsigned k = 0; k < 2; ++k) polish_roots(q, &p, k, ep_to_polish(q, p.roots.hit[k], p.roots.vague[k]));
     order_roots(q->n, &p);
+    /* of what is still vague float cannot tell whether it is the same */
+    const uint32_t vague = p.roots.vague[0] | p.roots.vague[1], unclear = vague & p.roots.hit[0] & p.roots.hit[1];
+    keep_different(q->n, &p, ~unclear);
+    ep_candidates first;
+    if (unclear) first = *c; /* offers change it */
     front |= front_of(q, &p, 0);
     uint32_t accepted = front ? ep_offer(q, front, c) : 0;
     if (!q->intersect) p.roots.hit[1] &= ~accepted; /* any hit answers */
-    keep_different(q, &p);
+    const uint32_t refused = unclear & p.roots.hit[1];
+    if (refused) {
+        p.c = &first;
+        for (unsigned k = 0; k < 2; ++k) polish_roots(q, &p, k, refused & p.roots.vague[k]);
+        keep_different(q->n, &p, refused);
+    }
     front = front_of(q, &p, 1);
     if (front) accepted |= ep_offer(q, front, &p.other);
     *slow = p.roots.open;
