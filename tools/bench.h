@@ -106,6 +106,10 @@ void bench_free(bench *b);
 extern const char *const bench_form_names[BENCH_FORMS];
 const bench_subject *bench_finest(const bench_family *f);
 
+/* The patches, or a tessellation. NULL after a message. */
+world *bench_world(const scene *s, const bench_options *o, unsigned tessellation, world_form form, unsigned threads);
+double bench_diagonal(const world *w); /* of the box around it */
+
 /* bench_figure.c */
 void bench_add(bench_figure *f, double value);
 double bench_median(const bench_figure *f); /* 0 without runs */
@@ -125,6 +129,10 @@ size_t bench_blocks(const bench_workload *w, const bench_rays *r);
 /* Adds to *t. False after a message: no memory. */
 bool bench_trace(RTCScene rtc, const bench_workload *w, const bench_rays *r, size_t first, size_t count,
                  unsigned threads, bench_timing *t);
+/* The same with blocks first .. end - 1, after a block a thread that does not count: it fills the caches. */
+bool bench_trace_warm(RTCScene rtc, const bench_workload *w, const bench_rays *r, size_t first, size_t end,
+                      unsigned threads, bench_timing *t);
+double bench_speed(const bench_timing *t); /* millions of rays a second */
 
 /* bench_error.c: the largest errors of w's answers to primary and random rays. False after a message. */
 bool bench_errors(const world *w, const bench_rays *r, double diagonal, bench_subject *to);
@@ -152,6 +160,6 @@ typedef enum bench_form { BENCH_TEXT, BENCH_MARKDOWN, BENCH_JSON } bench_form;
 bool bench_degrees(const bench_options *o, bench_form form);
 
 /* bench_newton.c: the kernels beside ordinary ones, which certify nothing. False after a message. */
-bool bench_newton(const char *path, const bench_options *o, bench_form form);
+bool bench_newton(const scene *s, const bench_options *o, bench_form form);
 
 #endif

@@ -117,7 +117,7 @@ static bool measure(degree *d, const bench_rays *rays, const bench_options *o)
         for (unsigned i = 0; i < SUBJECTS && done; ++i) {
             bench_timing t = {0};
             done = bench_trace(d[i].world->rtc, &picture, rays, 0, PASSES * blocks * o->threads[0], o->threads[0], &t);
-            if (run) bench_add(&d[i].speed, 1e-6 * (double)t.rays / t.seconds); /* the first one fills the caches */
+            if (run) bench_add(&d[i].speed, bench_speed(&t)); /* the first one fills the caches */
             d[i].coverage = (double)t.hits / (double)t.rays;
             progress_add(&p, 1);
         }

@@ -7,7 +7,6 @@
  * What a picture would lose without certificates is counted, too. */
 #include "tools/bench.h"
 #include "tools/bench_newton_kernels.h"
-#include "tools/outline.h"
 #include "tools/progress.h"
 #include "tools/report.h"
 #include "tools/stats.h"
@@ -109,19 +108,11 @@ static bool compare(newton *n, bench_kind kind, double diagonal)
 static bool trace(newton *n, unsigned workload, const bench_options *o, const ep_kernels *kernels, size_t first,
                   size_t end, bench_timing *t)
 {
-    const bench_workload *w = &bench_workloads[workload];
-    bench_timing unused = {0}; /* a block fills the caches */
     use(n, kernels);
     const bool done =
-        first == end || (bench_trace(n->world->rtc, w, &n->rays, first, o->threads[0], o->threads[0], &unused) &&
-                         bench_trace(n->world->rtc, w, &n->rays, first, end - first, o->threads[0], t));
+        bench_trace_warm(n->world->rtc, &bench_workloads[workload], &n->rays, first, end, o->threads[0], t);
     use(n, n->certified);
     return done;
-}
-
-static double speed_of(const bench_timing *t)
-{
-    return 1e-6 * (double)t->rays / t->seconds;
 }
 
 static bool measure(newton *n, unsigned workload, const bench_options *o)
@@ -139,36 +130,22 @@ static bool measure(newton *n, unsigned workload, const bench_options *o)
         !trace(n, workload, o, &n->kernels, 0, blocks, &plain) ||
         !trace(n, workload, o, n->certified, half, blocks, &certified))
         return false;
-    bench_add(&row->certified, speed_of(&certified));
-    bench_add(&row->newton, speed_of(&plain));
-    bench_add(&row->ratio, speed_of(&certified) / speed_of(&plain));
+    bench_add(&row->certified, bench_speed(&certified));
+    bench_add(&row->newton, bench_speed(&plain));
+    bench_add(&row->ratio, bench_speed(&certified) / bench_speed(&plain));
     return true;
-}
-
-static double diagonal_of(const world *w)
-{
-    double squares = 0;
-    for (int x = 0; x < 3; ++x) {
-        const double side = (double)w->bounds[3 + x] - (double)w->bounds[x];
-        squares += side * side;
-    }
-    return sqrt(squares);
 }
 
 static bool run(newton *n, const scene *s, const bench_options *o)
 {
-    const world_options w = {.threads = o->threads[0],
-                             .ray_distance =
-                                 fmax(outline_reach(s, NULL), o->scene_camera ? outline_reach(s, &s->camera) : 0),
-                             .build = o->build};
-    n->world = world_new(s, &w);
+    n->world = bench_world(s, o, 0, WORLD_TRIANGLES, o->threads[0]);
     if (!n->world || !bench_rays_new(&n->rays, n->world, o)) return false;
     make_kernels(n);
     progress p;
     bool done = true;
     progress_begin(&p, "bench", BENCH_KINDS + o->runs * BENCH_WORKLOADS);
     for (bench_kind kind = 0; kind < BENCH_KINDS && done; ++kind) {
-        done = compare(n, kind, diagonal_of(n->world));
+        done = compare(n, kind, bench_diagonal(n->world));
         progress_add(&p, 1);
     }
     for (unsigned i = 0; i < o->runs; ++i)
@@ -230,20 +207,13 @@ static json_t *as_json(const newton *n, const bench_options *o)
                      NEWTON_STEPS, "workloads", rows);
 }
 
-bool bench_newton(const char *path, const bench_options *o, bench_form form)
+bool bench_newton(const scene *s, const bench_options *o, bench_form form)
 {
     newton n = {0};
-    scene *s = scene_read(path);
-    bool done = s;
-    if (done && o->scene_camera && !s->has_camera) {
-        report_file(s->path, "there is no camera for --scene-camera");
-        done = false;
-    }
-    done = done && run(&n, s, o);
+    bool done = run(&n, s, o);
     if (done && form == BENCH_JSON) done = stats_write("-", as_json(&n, o));
     else if (done) print(&n, o, form == BENCH_MARKDOWN);
     bench_rays_free(&n.rays);
     world_free(n.world);
-    if (s) scene_free(s);
     return done;
 }

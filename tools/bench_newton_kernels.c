@@ -190,20 +190,7 @@ EP_INLINE ep_outcome f4_newton(const ep_leaf *leaf, const float *net, const floa
 }
 
 #define EP_SHAPE(name, triangle, m, n, rational)                                                                       \
-    static ep_outcome packet_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,            \
-                                    uint32_t active, float *t, float *hit, EPCounters *counters)                       \
-    {                                                                                                                  \
-        return w_newton(leaf, net, ray, rays, active, t, hit, counters, triangle, m, n, rational);                     \
-    }                                                                                                                  \
-    static ep_outcome single_##name(const ep_leaf *leaf, const float *net, const float *ray, float *t, float *hit,     \
-                                    EPCounters *counters)                                                              \
-    {                                                                                                                  \
-        return f4_newton(leaf, net, ray, t, hit, counters, triangle, m, n, rational);                                  \
-    }
-
-EP_DEGREES(tensor, 0, 0)
-EP_DEGREES(tensor_rational, 0, 1)
-EP_DEGREES(triangle, 1, 0)
-EP_DEGREES(triangle_rational, 1, 1)
+    EP_PACKET_AND_SINGLE(w_newton, f4_newton, name, triangle, m, n, rational)
+EP_EVERY_SHAPE
 
 const newton_kernels KERNELS = {.packet = EP_ALL(packet), .single = EP_ALL(single)};

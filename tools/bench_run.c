@@ -26,18 +26,29 @@
 /* How long things take, for the progress bar: building with so many triangles as long as one workload. */
 #define TRIANGLES_A_WORKLOAD 200000
 
+world *bench_world(const scene *s, const bench_options *o, unsigned tessellation, world_form form, unsigned threads)
+{
+    const double reach = outline_reach(s, NULL), eye = o->scene_camera ? outline_reach(s, &s->camera) : 0;
+    const world_options w = {.threads = threads,
+                             .tessellation = tessellation,
+                             .form = form,
+                             .ray_distance = fmax(reach, eye),
+                             .build = o->build};
+    return world_new(s, &w);
+}
+
+double bench_diagonal(const world *w)
+{
+    const float *box = w->bounds;
+    double squares = 0;
+    for (int x = 0; x < 3; ++x) squares += ((double)box[3 + x] - box[x]) * ((double)box[3 + x] - box[x]);
+    return sqrt(squares);
+}
+
 static bool build(bench *b, bench_subject *s, unsigned column)
 {
-    const scene *scene = b->scene;
-    const double reach = outline_reach(scene, NULL);
-    const double eye = b->options.scene_camera ? outline_reach(scene, &scene->camera) : 0;
-    const world_options o = {.threads = b->options.threads[column],
-                             .tessellation = s->n,
-                             .form = s->form,
-                             .ray_distance = fmax(reach, eye),
-                             .build = b->options.build};
     world_free(s->world);
-    s->world = world_new(scene, &o);
+    s->world = bench_world(b->scene, &b->options, s->n, s->form, b->options.threads[column]);
     if (!s->world) return false;
     s->rtc = s->world->rtc;
     s->bytes = s->world->bytes_patches + s->world->bytes_embree;
@@ -141,15 +152,11 @@ static size_t all_blocks(const bench *b, const bench_subject *s, unsigned worklo
     return bench_blocks(&bench_workloads[workload], &b->rays) * s->passes[workload] * b->options.threads[column];
 }
 
-/* Blocks first .. end - 1, after a block a thread that does not count: it fills the caches. */
+/* Blocks first .. end - 1. */
 static bool trace(const bench *b, const bench_subject *s, unsigned workload, unsigned column, size_t first, size_t end,
                   bench_timing *t)
 {
-    const bench_workload *w = &bench_workloads[workload];
-    const unsigned threads = b->options.threads[column];
-    bench_timing unused = {0};
-    return first == end || (bench_trace(s->rtc, w, &b->rays, first, threads, threads, &unused) &&
-                            bench_trace(s->rtc, w, &b->rays, first, end - first, threads, t));
+    return bench_trace_warm(s->rtc, &bench_workloads[workload], &b->rays, first, end, b->options.threads[column], t);
 }
 
 /* The share of the limit that goes with one of the tessellations, the grid-th. */
@@ -160,14 +167,9 @@ static bool trace_share(const bench *b, unsigned workload, unsigned column, unsi
     return trace(b, &b->limit, workload, column, first, to->blocks[workload], &to->timing[workload]);
 }
 
-static double speed_of(const bench_timing *t)
-{
-    return 1e-6 * (double)t->rays / t->seconds;
-}
-
 static void add_speed(bench_subject *s, unsigned workload, unsigned column, const bench_timing *t)
 {
-    bench_add(&s->columns[column].speed[workload], speed_of(t));
+    bench_add(&s->columns[column].speed[workload], bench_speed(t));
 }
 
 /* Tessellation `g` between the patches; what these do is added to *patches. */
@@ -180,7 +182,7 @@ static bool trace_between(bench *b, bench_subject *g, unsigned workload, unsigne
         !trace(b, &b->patches, workload, column, half, blocks, &own))
         return false;
     add_speed(g, workload, column, &t);
-    bench_add(&g->columns[column].ratio[workload], speed_of(&own) / speed_of(&t));
+    bench_add(&g->columns[column].ratio[workload], bench_speed(&own) / bench_speed(&t));
     patches->seconds += own.seconds;
     patches->rays += own.rays;
     return true;
@@ -196,10 +198,7 @@ static bool build_patches(bench *b, unsigned column, bool first)
     b->limit.rtc = bench_limit_scene(b->limit_scene);
     if (!first) return true;
 
-    const float *box = b->patches.world->bounds;
-    double squares = 0;
-    for (int x = 0; x < 3; ++x) squares += ((double)box[3 + x] - box[x]) * ((double)box[3 + x] - box[x]);
-    b->diagonal = sqrt(squares);
+    b->diagonal = bench_diagonal(b->patches.world);
     return bench_rays_new(&b->rays, b->patches.world, &b->options) &&
            bench_errors(b->patches.world, &b->rays, b->diagonal, &b->patches) && warm_up(b, &b->patches) &&
            warm_up(b, &b->limit);

@@ -113,3 +113,16 @@ bool bench_trace(RTCScene rtc, const bench_workload *w, const bench_rays *r, siz
     t->hits += hits;
     return true;
 }
+
+bool bench_trace_warm(RTCScene rtc, const bench_workload *w, const bench_rays *r, size_t first, size_t end,
+                      unsigned threads, bench_timing *t)
+{
+    bench_timing unused = {0};
+    return first == end || (bench_trace(rtc, w, r, first, threads, threads, &unused) &&
+                            bench_trace(rtc, w, r, first, end - first, threads, t));
+}
+
+double bench_speed(const bench_timing *t)
+{
+    return 1e-6 * (double)t->rays / t->seconds;
+}

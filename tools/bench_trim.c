@@ -218,7 +218,7 @@ bool trim_subjects_measure(trim_subject **t, size_t count, const bench_rays *ray
                 if (!(o->workloads >> w & 1)) continue;
                 bench_timing timing = {0};
                 done = run ? trace(t[i], w, rays, blocks_of(t[i], w, rays), o, &timing) : warm_up(t[i], w, rays, o);
-                if (run) bench_add(&t[i]->speed[w], 1e-6 * (double)timing.rays / timing.seconds);
+                if (run) bench_add(&t[i]->speed[w], bench_speed(&timing));
             }
     progress_end(&p);
     return done;

@@ -36,21 +36,36 @@ static bool write_results(const bench_command *c, const bench *b)
     return done && (!c->plot || bench_plot(b, c->plot));
 }
 
+/* NULL after a message. */
+static scene *read_scene(const bench_command *c)
+{
+    scene *s = scene_read(c->scene);
+    if (!s || !c->options.scene_camera || s->has_camera) return s;
+    report_file(s->path, "there is no camera for --scene-camera");
+    scene_free(s);
+    return NULL;
+}
+
 static bool run(const bench_command *c)
 {
     bench b = {0};
     if (c->plot && !(bench_plot_possible(c->plot) && can_write(c->plot))) return false;
     if (c->stats && !can_write(c->stats)) return false;
 
-    scene *s = scene_read(c->scene);
-    bool done = s != NULL;
-    if (done && c->options.scene_camera && !s->has_camera) {
-        report_file(s->path, "there is no camera for --scene-camera");
-        done = false;
-    }
-    done = done && bench_run(&b, s, &c->options) && write_results(c, &b);
+    scene *s = read_scene(c);
+    if (!s) return false;
+    const bool done = bench_run(&b, s, &c->options) && write_results(c, &b);
     bench_free(&b);
-    if (s) scene_free(s);
+    scene_free(s);
+    return done;
+}
+
+static bool run_newton(const bench_command *c, bench_form form)
+{
+    scene *s = read_scene(c);
+    if (!s) return false;
+    const bool done = bench_newton(s, &c->options, form);
+    scene_free(s);
     return done;
 }
 
@@ -59,7 +74,7 @@ static bool run_other(const bench_command *c)
 {
     const bench_form form = c->json ? BENCH_JSON : c->markdown ? BENCH_MARKDOWN : BENCH_TEXT;
     if (c->degrees) return bench_degrees(&c->options, form);
-    if (c->newton) return bench_newton(c->scene, &c->options, form);
+    if (c->newton) return run_newton(c, form);
     if (c->trims) return bench_trims(c->scene, &c->options, c->methods, form);
     return c->trim_curves ? bench_trim_curves(&c->options, c->methods, form) : bench_trim_costs(&c->options, form);
 }

@@ -52,6 +52,25 @@ typedef f4 f4_v;
 #define EP_ROW(p, name) p##_##name##_any, p##_##name##_1, p##_##name##_2, p##_##name##_3, p##_##name##_4
 #endif
 
+#define EP_EVERY_SHAPE                                                                                                 \
+    EP_DEGREES(tensor, 0, 0)                                                                                           \
+    EP_DEGREES(tensor_rational, 0, 1)                                                                                  \
+    EP_DEGREES(triangle, 1, 0)                                                                                         \
+    EP_DEGREES(triangle_rational, 1, 1)
+
+/* The kernels of a shape for packets and for single rays, from the templates for both. */
+#define EP_PACKET_AND_SINGLE(packet, single, name, triangle, m, n, rational)                                           \
+    static ep_outcome packet_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,            \
+                                    uint32_t active, float *t, float *hit, EPCounters *counters)                       \
+    {                                                                                                                  \
+        return packet(leaf, net, ray, rays, active, t, hit, counters, triangle, m, n, rational);                       \
+    }                                                                                                                  \
+    static ep_outcome single_##name(const ep_leaf *leaf, const float *net, const float *ray, float *t, float *hit,     \
+                                    EPCounters *counters)                                                              \
+    {                                                                                                                  \
+        return single(leaf, net, ray, t, hit, counters, triangle, m, n, rational);                                     \
+    }
+
 /* In the order of ep_shape. */
 #define EP_ALL(p)                                                                                                      \
     {                                                                                                                  \

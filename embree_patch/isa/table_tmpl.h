@@ -5,16 +5,7 @@
 
 /* The four kernels of a shape. */
 #define EP_SHAPE(name, triangle, m, n, rational)                                                                       \
-    static ep_outcome packet_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,            \
-                                    uint32_t active, float *t, float *hit, EPCounters *counters)                       \
-    {                                                                                                                  \
-        return w_packet(leaf, net, ray, rays, active, t, hit, counters, triangle, m, n, rational);                     \
-    }                                                                                                                  \
-    static ep_outcome single_##name(const ep_leaf *leaf, const float *net, const float *ray, float *t, float *hit,     \
-                                    EPCounters *counters)                                                              \
-    {                                                                                                                  \
-        return f4_single(leaf, net, ray, t, hit, counters, triangle, m, n, rational);                                  \
-    }                                                                                                                  \
+    EP_PACKET_AND_SINGLE(w_packet, f4_single, name, triangle, m, n, rational)                                          \
     static void cells_##name(const ep_leaf *leaf, const float *net, const float *ray, unsigned rays,                   \
                              const unsigned *lanes, unsigned count, const float *from, const float *to, ep_cells *out) \
     {                                                                                                                  \
@@ -26,10 +17,7 @@
         w_tangent(leaf, net, ray, rays, active, out, triangle, m, n, rational);                                        \
     }
 
-EP_DEGREES(tensor, 0, 0)
-EP_DEGREES(tensor_rational, 0, 1)
-EP_DEGREES(triangle, 1, 0)
-EP_DEGREES(triangle_rational, 1, 1)
+EP_EVERY_SHAPE
 
 const ep_kernels EP_KERNELS = {
     .isa = EP_ISA_NAME,
