@@ -6,9 +6,11 @@
  * Stürzlinger's criterion, with the thickness taken relative to the piece, so that it means the same at any scale and
  * bounds how far the surface turns within a leaf. At a pole, cusp or fold the certificate never holds; there splitting
  * ends early, because a fold is a curve and the pieces along it double at each level, and subdivision along the ray
- * takes over. Rectangles are halved along the side that turns more, triangles are quartered. */
+ * takes over. Rectangles are halved along the side that turns more, triangles are quartered. What the surface is
+ * content with is cut further where its box is met too often for what is in it (visits.h), and along trim curves. */
 #include "embree_patch/build.h"
 #include "embree_patch/trimmed.h"
+#include "embree_patch/visits.h"
 
 #include <string.h>
 
@@ -33,6 +35,7 @@ typedef struct piece_args {
     const ep_trim *trim;
     uint32_t index;
     const EPBuildSettings *settings;
+    double half_surface; /* of the box of all patches */
     unsigned max_depth;
     ep_fit *fit; /* scratch */
 } piece_args;
@@ -84,13 +87,15 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
         const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) && f->distortion <= max_distortion;
         const bool hopeless = stage == SURFACE && !(f->distortion < 1) &&
                               depth * ep_kinds[kind].halvings >= (f->line ? LINE_DEPTH : FOLD_DEPTH);
+        const double visits = ep_visits(f, d, a->half_surface);
+        unsigned along = f->turn[1] > f->turn[0];
         ep_domain parts[EP_TRIMMED_PARTS];
-        if (!good && !hopeless) {
-            const unsigned n = ep_kinds[kind].split(d, f->turn[1] > f->turn[0], parts);
+        if ((!good && !hopeless) || ep_is_askew(f, visits, &along)) {
+            const unsigned n = ep_kinds[kind].split(d, along, parts);
             build_parts(a, parts, n, part, stage, depth + 1, l);
             return;
         }
-        if (part && ep_trimmed_wants_split(a->trim, part, kind, d, a->settings->trimSplit)) {
+        if (part && ep_trimmed_wants_split(a->trim, part, kind, d, a->settings->trimSplit, visits)) {
             const unsigned n = ep_trimmed_split(a->trim, part, kind, d, a->settings->trimSplit, f->distortion, parts);
             build_parts(a, parts, n, part, hopeless ? SURFACE : TRIM, depth + 1, l);
             return;
@@ -106,6 +111,7 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
 typedef struct build_args {
     const ep_trim *const *trims;
     const EPBuildSettings *settings;
+    double half_surface; /* of the box of all patches */
 } build_args;
 
 static void build_patch(const void *what, const ep_patch *p, uint32_t index, ep_fit *fit, ep_list *l)
@@ -114,21 +120,15 @@ static void build_patch(const void *what, const ep_patch *p, uint32_t index, ep_
     const build_args *b = what;
     const ep_trim *trim = b->trims[index];
     const unsigned most = b->settings->maxDepth;
-    const piece_args a = {p, trim, index, b->settings, is_noise(p) && most > LINE_DEPTH ? LINE_DEPTH : most, fit};
+    const piece_args a = {.patch = p,
+                          .trim = trim,
+                          .index = index,
+                          .settings = b->settings,
+                          .half_surface = b->half_surface,
+                          .max_depth = is_noise(p) && most > LINE_DEPTH ? LINE_DEPTH : most,
+                          .fit = fit};
     ep_leaf_begin(p, fit);
     build_parts(&a, &whole, 1, trim ? &trim->root : NULL, SURFACE, 0, l);
-}
-
-EPStatus ep_build(ep_patch *patches, const ep_trim **trims, size_t count, const EPBuildSettings *settings,
-                  ep_message *message, ep_hierarchy *out)
-{
-    const build_args what = {trims, settings};
-    const EPStatus status = ep_make_hierarchy(patches, count, settings, build_patch, &what, message, out);
-    if (status != EP_OK) return status;
-    out->patches = patches;
-    out->trims = trims;
-    out->patch_count = count;
-    return EP_OK;
 }
 
 /* The surface is in the hull of the control points. */
@@ -141,6 +141,33 @@ static void box_of(const ep_patch *p, ep_box *box)
         box->lower[c] = ep_round_down(r.lo);
         box->upper[c] = ep_round_up(r.hi);
     }
+}
+
+/* Half the surface of the box of them all: h->bounds of ep_build_boxes, from before any leaf is made. */
+static double half_surface_of(const ep_patch *patches, size_t count)
+{
+    ep_box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (size_t i = 0; i < count; ++i) {
+        ep_box box;
+        box_of(&patches[i], &box);
+        for (int c = 0; c < 3; ++c) {
+            all.lower[c] = fminf(all.lower[c], box.lower[c]);
+            all.upper[c] = fmaxf(all.upper[c], box.upper[c]);
+        }
+    }
+    return ep_half_surface(all.lower, all.upper);
+}
+
+EPStatus ep_build(ep_patch *patches, const ep_trim **trims, size_t count, const EPBuildSettings *settings,
+                  ep_message *message, ep_hierarchy *out)
+{
+    const build_args what = {trims, settings, half_surface_of(patches, count)};
+    const EPStatus status = ep_make_hierarchy(patches, count, settings, build_patch, &what, message, out);
+    if (status != EP_OK) return status;
+    out->patches = patches;
+    out->trims = trims;
+    out->patch_count = count;
+    return EP_OK;
 }
 
 EPStatus ep_build_boxes(ep_patch *patches, const ep_trim **trims, size_t count, const EPBuildSettings *settings,
@@ -163,7 +190,7 @@ EPStatus ep_build_boxes(ep_patch *patches, const ep_trim **trims, size_t count, 
 EPStatus ep_build_one(const ep_hierarchy *boxes, uint32_t index, const EPBuildSettings *settings, ep_hierarchy *out,
                       double *error)
 {
-    const build_args what = {boxes->trims, settings};
+    const build_args what = {boxes->trims, settings, ep_half_surface(boxes->bounds, boxes->bounds + 3)};
     ep_list list = {.status = EP_OK};
     ep_fit *fit = ep_alloc(1, sizeof *fit);
     memset(out, 0, sizeof *out);

@@ -203,7 +203,7 @@ EP_API EPStatus epSetPatchTrim(EPGeometry geometry, uint32_t firstPatch, size_t 
 
 /* How the parts of a patch that trim curves cross are divided: only their leaves ever test a hit's u and v. */
 typedef enum EPTrimSplit {
-    EP_TRIM_SPLIT_CURVES,  /* along the curves, until hardly any of the patch is crossed              */
+    EP_TRIM_SPLIT_CURVES,  /* along the curves, until hardly any ray comes to a leaf that is crossed  */
     EP_TRIM_SPLIT_COST,    /* along the curves, as long as testing a point costs more than a level    */
     EP_TRIM_SPLIT_REGULAR, /* into equal parts, which get as small as those along the curves; slower */
     EP_TRIM_SPLIT_NONE     /* as the surface demands, but for parts outside; slower                  */

@@ -10,9 +10,10 @@
 /* A domain as trim/ wants it, with a seam. */
 ep_trim_domain ep_trimmed_domain(ep_kind_id kind, const ep_domain *d);
 
-/* Is a crossed domain, of which the trim leaves `part`, to be divided further? */
+/* Is a crossed domain, of which the trim leaves `part`, to be divided further? `visits`: the share of rays that come to
+ * it. */
 bool ep_trimmed_wants_split(const ep_trim *trim, const ep_trim_part *part, ep_kind_id kind, const ep_domain *d,
-                            EPTrimSplit way);
+                            EPTrimSplit way, double visits);
 
 /* Divides it into at most EP_TRIMMED_PARTS, which together are the domain. Returns their number. `distortion`: how far
  * the parametrisation over it is from affine, at its own size. */
