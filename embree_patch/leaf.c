@@ -248,14 +248,54 @@ static bool is_line(const ep_fit *f, const ep_point *q, size_t count, ep_vec3 at
     return true;
 }
 
-/* A piece without a frame is left to subdivision. */
-static void irregular(ep_fit *f)
+static ep_vec3 euclidean(const ep_point p)
+{
+    return ep_scale(1 / p[3], ep_v3(p[0], p[1], p[2]));
+}
+
+/* What a piece without a frame has instead (leaf.h): the line from its first control point to the one that is farthest
+ * from that, and how far others are from it, for the hull has the piece. */
+static void wrap(ep_fit *f, const ep_domain *d)
 {
     ep_leaf *leaf = &f->leaf;
-    for (int c = 0; c < 3; ++c) leaf->centre[c] = (float)f->patch->centre[c];
+    const ep_patch *p = f->patch;
+    const size_t count = f->kind->point_count(f->m, f->n);
+    ep_point net[EP_NET_POINTS];
+    f->kind->restrict_to(f->local, f->m, f->n, d, net);
+    const ep_vec3 first = euclidean(net[0]);
+    ep_vec3 along = ep_v3(1, 0, 0);
+    double length = 0, radius = 0;
+    for (size_t k = 1; k < count; ++k) {
+        const ep_vec3 far = ep_sub(euclidean(net[k]), first);
+        if (ep_length(far) <= length) continue;
+        length = ep_length(far);
+        along = ep_scale(1 / length, far);
+    }
+    const double from[3] = {first.x, first.y, first.z}, axis[3] = {along.x, along.y, along.z};
+    for (int c = 0; c < 3; ++c) {
+        leaf->frame[c][0] = (float)axis[c];
+        leaf->centre[c] = (float)(p->centre[c] + from[c]);
+        leaf->centre_low[c] = (float)(p->centre[c] + from[c] - leaf->centre[c]);
+    }
+    along = ep_v3(leaf->frame[0][0], leaf->frame[1][0], leaf->frame[2][0]);
+    const ep_vec3 at = ep_v3(((double)leaf->centre[0] - p->centre[0]) + leaf->centre_low[0],
+                             ((double)leaf->centre[1] - p->centre[1]) + leaf->centre_low[1],
+                             ((double)leaf->centre[2] - p->centre[2]) + leaf->centre_low[2]);
+    for (size_t k = 0; k < count; ++k) radius = fmax(radius, ep_length(ep_cross(ep_sub(euclidean(net[k]), at), along)));
+    /* what subdivision takes for a hit, and ten times that */
+    const double noise = (f->m + f->n + 4) * 256 * EP_EPS_D * p->weight_max / p->weight_min * p->radius;
+    leaf->foot = ep_round_up(radius / ep_length(along) + noise);
+}
+
+/* A piece without a frame is left to subdivision. */
+static void irregular(ep_fit *f, const ep_domain *d)
+{
+    ep_leaf *leaf = &f->leaf;
     leaf->height = leaf->rim = INFINITY;
     leaf->degree_s = leaf->degree_t = 0;
     leaf->rational = leaf->shape = 0;
+    memset(leaf->frame, 0, sizeof leaf->frame);
+    wrap(f, d);
     f->regular = false;
     f->thickness = f->distortion = INFINITY;
     f->net_floats = 0;
@@ -359,7 +399,7 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     f->turn[1] = ep_length(dt);
     f->line = false;
     if (!tangent_frame(ds, dt, f)) {
-        irregular(f);
+        irregular(f, d);
         f->line = is_line(f, q, count, at);
         return;
     }
@@ -395,6 +435,10 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     leaf->height = ep_round_up(ep_mag(b[2].value));
     leaf->sigma = ep_round_up(1 + fmax(ep_mag(b[0].ds) + ep_mag(b[1].ds), ep_mag(b[0].dt) + ep_mag(b[1].dt)));
     f->regular = leaf->height < INFINITY && f->side < INFINITY;
+    if (!f->regular) {
+        irregular(f, d);
+        return;
+    }
     f->thickness = 2 * ep_mag(b[2].value);
     f->distortion = fmax(ep_mag(b[0].ds) + ep_mag(b[0].dt), ep_mag(b[1].ds) + ep_mag(b[1].dt));
     leaf->stretch = (uint8_t)fmin(ceil(EP_STRETCH * f->distortion), EP_STRETCH);

@@ -93,7 +93,10 @@ static inline unsigned ep_leaf_stride(const ep_leaf *leaf)
 
 /* A leaf's constants are made for rays that are no closer to parallel to its plane than |p| < EP_STEEP, come from no
  * farther than where reach |t| |d| < EP_ASTRAY, and meet the graph over a foot that is known to EP_ABOUT; others are
- * left to isa/tangent_tmpl.h. */
+ * left to isa/tangent_tmpl.h.
+ *
+ * A piece that has no frame, a pole or a line, has an infinite height, on which the kernels leave every ray undecided.
+ * Its points are within `foot`, which is in space there, of the line through the centre along the frame's row s. */
 #define EP_STEEP 0x1p5f
 #define EP_ASTRAY 0x1p-2f
 #define EP_ABOUT 0x1p-3f

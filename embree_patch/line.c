@@ -51,12 +51,20 @@ static ep_vec3 row_of(const ep_leaf *leaf, int c)
     return ep_v3(leaf->frame[0][c], leaf->frame[1][c], leaf->frame[2][c]);
 }
 
+/* Does it pass a piece without a frame at more than the distance that all of that has from a line of its own? The two
+ * are |o n| / |n| apart, n being across both. */
+static bool is_far(const ep_leaf *leaf, ep_vec3 o, ep_vec3 d)
+{
+    const ep_vec3 n = ep_cross(d, row_of(leaf, 0));
+    return fabs(ep_dot(o, n)) > (double)leaf->foot * ep_length(n) + 0x1p-48 * ep_norm1(o) * ep_norm1(d);
+}
+
 bool ep_line_clip(const ep_patch *patch, const ep_leaf *leaf, const ep_line *l, double *lo, double *hi)
 {
-    if (!(leaf->height < INFINITY)) return true;
+    const ep_vec3 o = ep_add(l->o, to_leaf(patch, leaf));
+    if (!(leaf->height < INFINITY)) return !is_far(leaf, o, l->d);
     const bool triangle = patch->kind == EP_KIND_TRIANGLE;
     double a[3], b[3], from = *lo - l->t0, to = *hi - l->t0;
-    const ep_vec3 o = ep_add(l->o, to_leaf(patch, leaf));
     for (int c = 0; c < 3; ++c) {
         a[c] = ep_dot(row_of(leaf, c), o);
         b[c] = ep_dot(row_of(leaf, c), l->d);

@@ -16,7 +16,7 @@ typedef struct ep_line {
 bool ep_line_of(const ep_patch *patch, const float org[3], const float dir[3], ep_line *line);
 
 /* Where the line is in the leaf's prism, within [*lo, *hi], which it narrows; false: nowhere. A leaf without a prism
- * leaves them as they are. */
+ * leaves them as they are: false where the line passes it by. */
 bool ep_line_clip(const ep_patch *patch, const ep_leaf *leaf, const ep_line *line, double *lo, double *hi);
 
 /* A part of the leaf's unit domain with all points that the line meets from `lo` to `hi`; `local` is

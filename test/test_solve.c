@@ -108,6 +108,76 @@ static void past_a_line(void **state)
     }
 }
 
+/* How far a point is from the line that is to have a piece without a frame near it. `across`: lines through the point
+ * in that direction are as far away. */
+static double away(const ep_leaf *leaf, const double x[3], double across[3])
+{
+    double from[3], cross2 = 0, length2 = 0;
+    for (int c = 0; c < 3; ++c) from[c] = x[c] - leaf->centre[c] - leaf->centre_low[c];
+    for (int c = 0; c < 3; ++c) {
+        const double a = leaf->frame[(c + 1) % 3][0], b = leaf->frame[(c + 2) % 3][0];
+        across[c] = from[(c + 1) % 3] * b - from[(c + 2) % 3] * a;
+        cross2 += across[c] * across[c];
+        length2 += (double)leaf->frame[c][0] * leaf->frame[c][0];
+    }
+    for (int c = 0; c < 3; ++c) across[c] /= cross2 > 0 ? sqrt(cross2) : 1;
+    return sqrt(cross2 / length2);
+}
+
+/* Pieces without a frame, poles and lines: all of one is as near to its line as it says, rays at that distance and a
+ * little more are told from it, and none that subdivision finds a root for. */
+static void past_pieces_without_a_frame(void **state)
+{
+    (void)state;
+    unsigned long met = 0, told = 0, wide = 0;
+    for (uint64_t k = 0; k < 600; ++k) {
+        rng r = rng_split(5, 0, k);
+        test_patch p;
+        random_patch(&r, k % 3 ? STYLE_DEGENERATE : STYLE_COLLAPSED, k % 2, (patch_limits){6, k % 5 ? 1 : 4}, &p);
+        const double offset[3] = {rng_in(&r, -100, 100), 0, 3};
+        if (k % 4 == 0) move_patch(&p, rng_scale(&r, 1e-3, 1e3), offset);
+        EPGeometry g = new_geometry(&p, 1, NULL);
+        const ep_patch *patch = &g->hierarchy.patches[0];
+        for (size_t i = 0; i < g->hierarchy.leaf_count; ++i) {
+            const ep_leaf *leaf = &g->hierarchy.leaves[i];
+            if (leaf->height < INFINITY || (i > 40 && rng_below(&r, 50))) continue;
+            const ep_domain d = ep_leaf_domain(leaf);
+            for (int n = 0; n < 20; ++n) {
+                double s = rng_unit(&r), t = rng_unit(&r), x[3], xu[3], xv[3];
+                if (rng_below(&r, 2)) s = rng_below(&r, 2);
+                if (rng_below(&r, 2)) t = rng_below(&r, 2);
+                if (p.shape.triangle && s + t > 1) s = 1 - s, t = 1 - t;
+                evaluate_patch(&p, d.u0 + s * d.uu + t * d.uv, d.v0 + s * d.vu + t * d.vv, x, xu, xv);
+                const double rounding = 0x1p-50 * (fabs(x[0]) + fabs(x[1]) + fabs(x[2]));
+                double across[3];
+                const double far = away(leaf, x, across);
+                CHECK(far <= (double)leaf->foot + rounding, "patch %lu, leaf %zu: %.9g > %.9g", (unsigned long)k, i,
+                      far, leaf->foot);
+                float org[3], dir[3], lo[3];
+                const double by = rng_scale(&r, 1e-7, 1) * patch->radius;
+                for (int c = 0; c < 3; ++c) {
+                    lo[c] = (float)(x[c] + (n % 2 ? by * rng_in(&r, -1, 1) : 0));
+                    dir[c] = n % 4 ? (float)rng_in(&r, -1, 1) : (float)across[c] + 0.1f * leaf->frame[c][0];
+                    org[c] = lo[c] - dir[c];
+                }
+                ep_root root;
+                ep_line l;
+                double from = -INFINITY, to = INFINITY;
+                assert_true(ep_line_of(patch, org, dir, &l));
+                const bool near = ep_line_clip(patch, leaf, &l, &from, &to);
+                const bool found = ep_solve(patch, leaf, org, dir, -INFINITY, INFINITY, &root);
+                CHECK(near || !found, "patch %lu, leaf %zu: %s: a root at %.9g is passed by", (unsigned long)k, i,
+                      ray_text(org, dir), root.t);
+                met += found;
+                told += !near;
+                wide += near && !found;
+            }
+        }
+        epReleaseGeometry(g);
+    }
+    CHECK(met > 100 && told > 3 * wide, "%lu met, %lu told, %lu not", met, told, wide);
+}
+
 /* From up to 2^-9 away, polishing has to end where the surface meets the ray, with the surface's normal there: as well
  * as doubles tell, whatever the number of steps. */
 static void polished_roots(void **state)
@@ -216,7 +286,8 @@ static void parts_that_lines_meet(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(at_the_very_border), cmocka_unit_test(within_a_flat_patch),   cmocka_unit_test(past_a_line),
+        cmocka_unit_test(at_the_very_border), cmocka_unit_test(within_a_flat_patch),
+        cmocka_unit_test(past_a_line),        cmocka_unit_test(past_pieces_without_a_frame),
         cmocka_unit_test(polished_roots),     cmocka_unit_test(parts_that_lines_meet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
