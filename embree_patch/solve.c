@@ -28,8 +28,11 @@ enum {
     MAX_POINTS = (EP_MAX_DEGREE + 1) * (EP_MAX_DEGREE + 1),
     MAX_STACK = 512,
     /* A cell that is still open after this many others becomes the hit: nothing nearer was left out. It takes a
-     * surface that doubles cannot tell from the ray. */
+     * surface that doubles cannot tell from the ray. That cell is a small one; what else waits may be large, and gets a
+     * few more cells of its own, as often as that. */
     MAX_CELLS = 1 << 14,
+    MORE_CELLS = 1 << 11,
+    MORE_TIMES = 8,
 };
 
 typedef struct cell {
@@ -314,7 +317,7 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
     const size_t count = p.kind->point_count(p.m, p.n);
     cell stack[MAX_STACK];
     ep_point net[MAX_POINTS];
-    unsigned depth = 0;
+    unsigned depth = 0, most = MAX_CELLS;
     bool found = false, crossing = false;
     double best_s = 0, best_t = 0;
     stack[depth++] = (cell){part, -INFINITY};
@@ -348,7 +351,10 @@ bool ep_solve(const ep_patch *patch, const ep_leaf *leaf, const float org[3], co
         if (deviation(&p, &g) <= 0.125) v = newton(&p, net, &s, &r);
         const bool point = largest <= p.small && t.hi - t.lo <= p.small_t;
         const bool certified = v == ROOT;
-        if (v == UNDECIDED && (point || width <= 0x1p-50 || cells >= MAX_CELLS || depth + 4 > MAX_STACK)) v = ROOT;
+        if (v == UNDECIDED && (point || width <= 0x1p-50 || cells >= most || depth + 4 > MAX_STACK)) {
+            v = ROOT;
+            if (cells >= most && most < MAX_CELLS + MORE_TIMES * MORE_CELLS) most += MORE_CELLS;
+        }
         if (v == ROOT) {
             ep_jet jet;
             p.kind->eval(net, p.m, p.n, s, r, &jet);
