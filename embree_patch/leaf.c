@@ -282,7 +282,7 @@ static void wrap(ep_fit *f, const ep_domain *d)
                              ((double)leaf->centre[1] - p->centre[1]) + leaf->centre_low[1],
                              ((double)leaf->centre[2] - p->centre[2]) + leaf->centre_low[2]);
     for (size_t k = 0; k < count; ++k) radius = fmax(radius, ep_length(ep_cross(ep_sub(euclidean(net[k]), at), along)));
-    /* what subdivision takes for a hit, and ten times that */
+    /* sixteen times what subdivision takes for a hit */
     const double noise = (f->m + f->n + 4) * 256 * EP_EPS_D * p->weight_max / p->weight_min * p->radius;
     leaf->foot = ep_round_up(radius / ep_length(along) + noise);
 }
