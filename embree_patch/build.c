@@ -30,12 +30,18 @@ static bool is_noise(const ep_patch *p)
     return p->radius < 0x1p-40 * far;
 }
 
+/* What patches are cut by. */
+typedef struct build_args {
+    const ep_trim *const *trims;
+    const EPBuildSettings *settings;
+    double half_surface; /* of the box of all patches */
+} build_args;
+
 typedef struct piece_args {
     const ep_patch *patch;
     const ep_trim *trim;
     uint32_t index;
-    const EPBuildSettings *settings;
-    double half_surface; /* of the box of all patches */
+    const build_args *build;
     unsigned max_depth;
     ep_fit *fit; /* scratch */
 } piece_args;
@@ -82,37 +88,32 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
 {
     ep_fit *f = a->fit;
     const ep_kind_id kind = a->patch->kind;
+    const EPBuildSettings *settings = a->build->settings;
     ep_leaf_fit(d, f);
     if (depth < a->max_depth) {
-        const bool good = (f->thickness <= a->settings->thickness || stage == TRIM) && f->distortion <= max_distortion;
+        const bool good = (f->thickness <= settings->thickness || stage == TRIM) && f->distortion <= max_distortion;
         const bool hopeless = stage == SURFACE && !(f->distortion < 1) &&
                               depth * ep_kinds[kind].halvings >= (f->line ? LINE_DEPTH : FOLD_DEPTH);
-        const double visits = ep_visits(f, d, a->half_surface);
+        const bool content = good || hopeless; /* the surface is */
+        const double visits = content ? ep_visits(f, d, a->build->half_surface) : 0;
         unsigned along = f->turn[1] > f->turn[0];
         ep_domain parts[EP_TRIMMED_PARTS];
-        if ((!good && !hopeless) || ep_is_askew(f, visits, &along)) {
+        if (!content || ep_is_askew(f, visits, &along)) {
             const unsigned n = ep_kinds[kind].split(d, along, parts);
             build_parts(a, parts, n, part, stage, depth + 1, l);
             return;
         }
-        if (part && ep_trimmed_wants_split(a->trim, part, kind, d, a->settings->trimSplit, visits)) {
-            const unsigned n = ep_trimmed_split(a->trim, part, kind, d, a->settings->trimSplit, f->distortion, parts);
+        if (part && ep_trimmed_wants_split(a->trim, part, kind, d, settings->trimSplit, visits)) {
+            const unsigned n = ep_trimmed_split(a->trim, part, kind, d, settings->trimSplit, f->distortion, parts);
             build_parts(a, parts, n, part, hopeless ? SURFACE : TRIM, depth + 1, l);
             return;
         }
     }
     uint32_t trim = 0;
     if (part && !keep_part(a, d, part, &trim, l)) return;
-    ep_leaf_certify(f);
+    ep_leaf_certify(d, f);
     ep_list_add(l, f, d, a->index, trim, depth);
 }
-
-/* What patches are cut by. */
-typedef struct build_args {
-    const ep_trim *const *trims;
-    const EPBuildSettings *settings;
-    double half_surface; /* of the box of all patches */
-} build_args;
 
 static void build_patch(const void *what, const ep_patch *p, uint32_t index, ep_fit *fit, ep_list *l)
 {
@@ -123,8 +124,7 @@ static void build_patch(const void *what, const ep_patch *p, uint32_t index, ep_
     const piece_args a = {.patch = p,
                           .trim = trim,
                           .index = index,
-                          .settings = b->settings,
-                          .half_surface = b->half_surface,
+                          .build = b,
                           .max_depth = is_noise(p) && most > LINE_DEPTH ? LINE_DEPTH : most,
                           .fit = fit};
     ep_leaf_begin(p, fit);
@@ -135,27 +135,24 @@ static void build_patch(const void *what, const ep_patch *p, uint32_t index, ep_
 static void box_of(const ep_patch *p, ep_box *box)
 {
     const size_t count = ep_kinds[p->kind].point_count(p->degree_u, p->degree_v);
+    ep_range hull[3];
+    ep_hull(p->points, count, hull);
     for (int c = 0; c < 3; ++c) {
-        ep_range r = EP_NOTHING;
-        for (size_t i = 0; i < count; ++i) ep_include(&r, p->points[i][c] / p->points[i][3]);
-        box->lower[c] = ep_round_down(r.lo);
-        box->upper[c] = ep_round_up(r.hi);
+        box->lower[c] = ep_round_down(hull[c].lo);
+        box->upper[c] = ep_round_up(hull[c].hi);
     }
 }
 
 /* Half the surface of the box of them all: h->bounds of ep_build_boxes, from before any leaf is made. */
 static double half_surface_of(const ep_patch *patches, size_t count)
 {
-    ep_box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    float bounds[6] = EP_NO_BOUNDS;
     for (size_t i = 0; i < count; ++i) {
         ep_box box;
         box_of(&patches[i], &box);
-        for (int c = 0; c < 3; ++c) {
-            all.lower[c] = fminf(all.lower[c], box.lower[c]);
-            all.upper[c] = fmaxf(all.upper[c], box.upper[c]);
-        }
+        ep_include_box(bounds, &box);
     }
-    return ep_half_surface(all.lower, all.upper);
+    return ep_half_surface(bounds);
 }
 
 EPStatus ep_build(ep_patch *patches, const ep_trim **trims, size_t count, const EPBuildSettings *settings,
@@ -190,7 +187,7 @@ EPStatus ep_build_boxes(ep_patch *patches, const ep_trim **trims, size_t count, 
 EPStatus ep_build_one(const ep_hierarchy *boxes, uint32_t index, const EPBuildSettings *settings, ep_hierarchy *out,
                       double *error)
 {
-    const build_args what = {boxes->trims, settings, ep_half_surface(boxes->bounds, boxes->bounds + 3)};
+    const build_args what = {boxes->trims, settings, ep_half_surface(boxes->bounds)};
     ep_list list = {.status = EP_OK};
     ep_fit *fit = ep_alloc(1, sizeof *fit);
     memset(out, 0, sizeof *out);

@@ -243,10 +243,46 @@ static bool floats_hold_normal(const ep_fit *f)
     return volume >= 0x1p-140f && volume < INFINITY && isnormal((float)(row * row)) && isnormal((float)(4 * row * row));
 }
 
-void ep_leaf_certify(ep_fit *f)
+static ep_vec3 euclidean(const ep_point p)
+{
+    return ep_scale(1 / p[3], ep_v3(p[0], p[1], p[2]));
+}
+
+/* What a piece without a frame has instead (leaf.h): the line from its first control point to the one that is farthest
+ * from that, and how far others are from it, for the hull has the piece. */
+static void wrap(const ep_domain *d, ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
-    if (!f->regular) return;
+    const ep_patch *p = f->patch;
+    const size_t count = f->kind->point_count(f->m, f->n);
+    ep_point net[EP_NET_POINTS];
+    f->kind->restrict_to(f->local, f->m, f->n, d, net);
+    const ep_vec3 first = euclidean(net[0]);
+    ep_vec3 along = ep_v3(1, 0, 0);
+    double length = 0, radius = 0;
+    for (size_t k = 1; k < count; ++k) {
+        const ep_vec3 far = ep_sub(euclidean(net[k]), first);
+        if (ep_length(far) <= length) continue;
+        length = ep_length(far);
+        along = ep_scale(1 / length, far);
+    }
+    ep_vec3 at = first;
+    ep_leaf_put_centre(f, &at);
+    leaf->frame[0][0] = (float)along.x, leaf->frame[1][0] = (float)along.y, leaf->frame[2][0] = (float)along.z;
+    along = ep_v3(leaf->frame[0][0], leaf->frame[1][0], leaf->frame[2][0]);
+    for (size_t k = 0; k < count; ++k) radius = fmax(radius, ep_length(ep_cross(ep_sub(euclidean(net[k]), at), along)));
+    /* sixteen times what subdivision takes for a hit */
+    const double noise = (f->m + f->n + 4) * 256 * EP_EPS_D * p->weight_max / p->weight_min * p->radius;
+    leaf->foot = ep_round_up(radius / ep_length(along) + noise);
+}
+
+void ep_leaf_certify(const ep_domain *d, ep_fit *f)
+{
+    ep_leaf *leaf = &f->leaf;
+    if (!f->regular) {
+        wrap(d, f);
+        return;
+    }
     const double lost = reduce(f);
     model(f, lost);
     rounding(f, lost);

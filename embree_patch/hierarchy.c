@@ -95,17 +95,21 @@ void ep_pad(ep_box *boxes, size_t count, double padding)
         }
 }
 
+void ep_include_box(float bounds[6], const ep_box *box)
+{
+    for (int c = 0; c < 3; ++c) {
+        bounds[c] = fminf(bounds[c], box->lower[c]);
+        bounds[3 + c] = fmaxf(bounds[3 + c], box->upper[c]);
+    }
+}
+
 void ep_finish_boxes(ep_hierarchy *h, const EPBuildSettings *settings)
 {
-    float *b = h->bounds;
-    for (int c = 0; c < 3; ++c) b[c] = INFINITY, b[3 + c] = -INFINITY;
-    for (size_t i = 0; i < h->box_count; ++i)
-        for (int c = 0; c < 3; ++c) {
-            b[c] = fminf(b[c], h->boxes[i].lower[c]);
-            b[3 + c] = fmaxf(b[3 + c], h->boxes[i].upper[c]);
-        }
+    static const float none[6] = EP_NO_BOUNDS;
+    memcpy(h->bounds, none, sizeof none);
+    for (size_t i = 0; i < h->box_count; ++i) ep_include_box(h->bounds, &h->boxes[i]);
     if (!h->box_count) return;
-    h->padding = padding_of(b, settings);
+    h->padding = padding_of(h->bounds, settings);
     ep_pad(h->boxes, h->box_count, h->padding);
 }
 

@@ -58,6 +58,12 @@ void ep_list_free(ep_list *l);
 /* The lists' leaves one after the other, with their boxes as they are. EP_UNSUPPORTED: too many. */
 EPStatus ep_join(const ep_list *lists, size_t count, ep_hierarchy *out);
 void ep_pad(ep_box *boxes, size_t count, double padding);
+/* Bounds of nothing, which grow by boxes. */
+#define EP_NO_BOUNDS                                                                                                   \
+    {                                                                                                                  \
+        INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY                                                  \
+    }
+void ep_include_box(float bounds[6], const ep_box *box);
 /* Sets the bounds, and pads all boxes by what these demand. */
 void ep_finish_boxes(ep_hierarchy *h, const EPBuildSettings *settings);
 

@@ -248,58 +248,30 @@ static bool is_line(const ep_fit *f, const ep_point *q, size_t count, ep_vec3 at
     return true;
 }
 
-static ep_vec3 euclidean(const ep_point p)
-{
-    return ep_scale(1 / p[3], ep_v3(p[0], p[1], p[2]));
-}
-
-/* What a piece without a frame has instead (leaf.h): the line from its first control point to the one that is farthest
- * from that, and how far others are from it, for the hull has the piece. */
-static void wrap(ep_fit *f, const ep_domain *d)
-{
-    ep_leaf *leaf = &f->leaf;
-    const ep_patch *p = f->patch;
-    const size_t count = f->kind->point_count(f->m, f->n);
-    ep_point net[EP_NET_POINTS];
-    f->kind->restrict_to(f->local, f->m, f->n, d, net);
-    const ep_vec3 first = euclidean(net[0]);
-    ep_vec3 along = ep_v3(1, 0, 0);
-    double length = 0, radius = 0;
-    for (size_t k = 1; k < count; ++k) {
-        const ep_vec3 far = ep_sub(euclidean(net[k]), first);
-        if (ep_length(far) <= length) continue;
-        length = ep_length(far);
-        along = ep_scale(1 / length, far);
-    }
-    const double from[3] = {first.x, first.y, first.z}, axis[3] = {along.x, along.y, along.z};
-    for (int c = 0; c < 3; ++c) {
-        leaf->frame[c][0] = (float)axis[c];
-        leaf->centre[c] = (float)(p->centre[c] + from[c]);
-        leaf->centre_low[c] = (float)(p->centre[c] + from[c] - leaf->centre[c]);
-    }
-    along = ep_v3(leaf->frame[0][0], leaf->frame[1][0], leaf->frame[2][0]);
-    const ep_vec3 at = ep_v3(((double)leaf->centre[0] - p->centre[0]) + leaf->centre_low[0],
-                             ((double)leaf->centre[1] - p->centre[1]) + leaf->centre_low[1],
-                             ((double)leaf->centre[2] - p->centre[2]) + leaf->centre_low[2]);
-    for (size_t k = 0; k < count; ++k) radius = fmax(radius, ep_length(ep_cross(ep_sub(euclidean(net[k]), at), along)));
-    /* sixteen times what subdivision takes for a hit */
-    const double noise = (f->m + f->n + 4) * 256 * EP_EPS_D * p->weight_max / p->weight_min * p->radius;
-    leaf->foot = ep_round_up(radius / ep_length(along) + noise);
-}
-
 /* A piece without a frame is left to subdivision. */
-static void irregular(ep_fit *f, const ep_domain *d)
+static void irregular(ep_fit *f)
 {
     ep_leaf *leaf = &f->leaf;
     leaf->height = leaf->rim = INFINITY;
     leaf->degree_s = leaf->degree_t = 0;
     leaf->rational = leaf->shape = 0;
     memset(leaf->frame, 0, sizeof leaf->frame);
-    wrap(f, d);
     f->regular = false;
     f->thickness = f->distortion = INFINITY;
     f->net_floats = 0;
     f->error = 0;
+}
+
+void ep_leaf_put_centre(ep_fit *f, ep_vec3 *at)
+{
+    ep_leaf *leaf = &f->leaf;
+    double *x = &at->x;
+    for (int c = 0; c < 3; ++c) {
+        const double sum = f->patch->centre[c] + x[c];
+        leaf->centre[c] = (float)sum;
+        leaf->centre_low[c] = (float)(sum - leaf->centre[c]);
+        x[c] = ((double)leaf->centre[c] - f->patch->centre[c]) + leaf->centre_low[c];
+    }
 }
 
 void ep_leaf_begin(const ep_patch *p, ep_fit *f)
@@ -399,7 +371,7 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     f->turn[1] = ep_length(dt);
     f->line = false;
     if (!tangent_frame(ds, dt, f)) {
-        irregular(f, d);
+        irregular(f);
         f->line = is_line(f, q, count, at);
         return;
     }
@@ -410,13 +382,7 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     const weight w = weight_bounds(f, p->weight_min / w0);
     f->loss *= p->weight_max / (w0 * w.low);
     ep_vec3 origin = ep_add(at, ep_scale(ep_mid(quotient_bounds(series_bounds(f, 2), &w).value), f->column[2]));
-    double *o = &origin.x;
-    for (int c = 0; c < 3; ++c) {
-        const double x = p->centre[c] + o[c];
-        leaf->centre[c] = (float)x;
-        leaf->centre_low[c] = (float)(x - leaf->centre[c]);
-        o[c] = ((double)leaf->centre[c] - p->centre[c]) + leaf->centre_low[c];
-    }
+    ep_leaf_put_centre(f, &origin);
     change_coordinates(f, q, origin);
     bounds b[3];
     for (int c = 0; c < 3; ++c) b[c] = quotient_bounds(series_bounds(f, c), &w);
@@ -436,7 +402,7 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     leaf->sigma = ep_round_up(1 + fmax(ep_mag(b[0].ds) + ep_mag(b[1].ds), ep_mag(b[0].dt) + ep_mag(b[1].dt)));
     f->regular = leaf->height < INFINITY && f->side < INFINITY;
     if (!f->regular) {
-        irregular(f, d);
+        irregular(f);
         return;
     }
     f->thickness = 2 * ep_mag(b[2].value);
@@ -463,16 +429,9 @@ void ep_leaf_box(const ep_fit *f, const ep_domain *d, double lower[3], double up
     if (p->rational || !f->regular) {
         ep_point net[EP_NET_POINTS];
         f->kind->restrict_to(f->local, f->m, f->n, d, net);
-        const size_t count = f->kind->point_count(f->m, f->n);
-        for (int c = 0; c < 3; ++c) {
-            double low = INFINITY, high = -INFINITY;
-            for (size_t k = 0; k < count; ++k) {
-                const double x = p->centre[c] + net[k][c] / net[k][3];
-                low = fmin(low, x);
-                high = fmax(high, x);
-            }
-            lower[c] = low, upper[c] = high;
-        }
+        ep_range box[3];
+        ep_hull(net, f->kind->point_count(f->m, f->n), box);
+        for (int c = 0; c < 3; ++c) lower[c] = p->centre[c] + box[c].lo, upper[c] = p->centre[c] + box[c].hi;
     }
     if (!f->regular) return;
     for (int k = 0; k < 3; ++k) {

@@ -204,7 +204,10 @@ void ep_leaf_begin(const ep_patch *p, ep_fit *fit);
 void ep_leaf_fit(const ep_domain *d, ep_fit *fit);
 
 /* The rest of the certificate, for a piece that is kept; all but leaf.patch, leaf.net and leaf.trim is there then. */
-void ep_leaf_certify(ep_fit *fit);
+void ep_leaf_certify(const ep_domain *d, ep_fit *fit);
+
+/* M's zero: *at, relative to the patch's centre, which becomes what of it leaf.centre and leaf.centre_low hold. */
+void ep_leaf_put_centre(ep_fit *fit, ep_vec3 *at);
 
 /* The box of a fitted piece in the geometry's space. */
 void ep_leaf_box(const ep_fit *fit, const ep_domain *d, double lower[3], double upper[3]);

@@ -229,23 +229,28 @@ void ep_patch_local(const ep_patch *p, ep_point *out)
     }
 }
 
+void ep_hull(const ep_point *points, size_t count, ep_range box[3])
+{
+    for (int c = 0; c < 3; ++c) {
+        box[c] = EP_NOTHING;
+        for (size_t i = 0; i < count; ++i) ep_include(&box[c], points[i][c] / points[i][3]);
+    }
+}
+
 void ep_patch_measure(ep_patch *p)
 {
     const size_t count = ep_kinds[p->kind].point_count(p->degree_u, p->degree_v);
-    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
+    ep_range box[3];
+    ep_hull(p->points, count, box);
     p->weight_min = INFINITY, p->weight_max = 0;
     for (size_t i = 0; i < count; ++i) {
         const double w = p->points[i][3];
         p->weight_min = fmin(p->weight_min, w);
         p->weight_max = fmax(p->weight_max, w);
-        for (int c = 0; c < 3; ++c) {
-            lo[c] = fmin(lo[c], p->points[i][c] / w);
-            hi[c] = fmax(hi[c], p->points[i][c] / w);
-        }
     }
     p->radius = 0;
     for (int c = 0; c < 3; ++c) {
-        p->centre[c] = lo[c] + (hi[c] - lo[c]) / 2;
-        p->radius = fmax(p->radius, fmax(hi[c] - p->centre[c], p->centre[c] - lo[c]));
+        p->centre[c] = box[c].lo + (box[c].hi - box[c].lo) / 2;
+        p->radius = fmax(p->radius, fmax(box[c].hi - p->centre[c], p->centre[c] - box[c].lo));
     }
 }

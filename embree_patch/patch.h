@@ -65,6 +65,9 @@ typedef struct ep_frame {
 } ep_frame;
 ep_frame ep_project(const ep_jet *jet);
 
+/* The ranges of the coordinates of points, Euclidean ones. */
+void ep_hull(const ep_point *points, size_t count, ep_range box[3]);
+
 /* Fills centre, radius and weights from the points. */
 void ep_patch_measure(ep_patch *p);
 

@@ -27,7 +27,7 @@ static void refit_patch(const void *hierarchy, const ep_patch *p, uint32_t index
     for (size_t i = first_leaf(old, index); i < old->leaf_count && old->leaves[i].patch == index; ++i) {
         const ep_domain d = ep_domain_of(old, i);
         ep_leaf_fit(&d, fit);
-        ep_leaf_certify(fit);
+        ep_leaf_certify(&d, fit);
         ep_list_add(l, fit, &d, index, old->leaves[i].trim, 0);
         if (l->status != EP_OK) return;
     }

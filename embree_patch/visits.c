@@ -26,9 +26,10 @@ static double surface_of(const double side[3])
     return side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
 }
 
-double ep_half_surface(const float lower[3], const float upper[3])
+double ep_half_surface(const float bounds[6])
 {
-    const double side[3] = {(double)upper[0] - lower[0], (double)upper[1] - lower[1], (double)upper[2] - lower[2]};
+    double side[3];
+    for (int c = 0; c < 3; ++c) side[c] = (double)bounds[3 + c] - bounds[c];
     return surface_of(side);
 }
 

@@ -6,8 +6,8 @@
 
 #include "embree_patch/leaf.h"
 
-/* Half the surface of a box. */
-double ep_half_surface(const float lower[3], const float upper[3]);
+/* Half the surface of the box with these bounds, as ep_hierarchy.bounds. */
+double ep_half_surface(const float bounds[6]);
 
 /* Of the rays that cross a box with this half surface the share that will meet the box of a fitted piece, the part `d`
  * of its patch: more or less, before it is padded. */
