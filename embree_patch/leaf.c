@@ -51,20 +51,6 @@ static void make_rest(ep_fit *f)
         }
 }
 
-/* Range of a x + rest[.] . b over the piece, a being linear. */
-static ep_range linear_range(const ep_fit *f, const double a[2], const double b[4])
-{
-    double low[6] = {0, a[0], a[1], 0, 0, 0}, high = 0;
-    for (int k = 0; k < 6; ++k)
-        if (f->low[k] != SIZE_MAX)
-            for (int c = 0; c < 4; ++c) low[k] += b[c] * f->rest[f->low[k]][c];
-    for (size_t k = 0; k < f->terms; ++k) {
-        const double *r = f->rest[k];
-        high += fabs(b[0] * r[0] + b[1] * r[1] + b[2] * r[2] + b[3] * r[3]) * f->high[k];
-    }
-    return widen(f->kind->quadratic(low), high);
-}
-
 static bounds series_bounds(const ep_fit *f, int c)
 {
     double low[6], high = 0, third = 0, spread[5] = {0};
@@ -409,7 +395,6 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
     f->distortion = fmax(ep_mag(b[0].ds) + ep_mag(b[0].dt), ep_mag(b[1].ds) + ep_mag(b[1].dt));
     leaf->stretch = (uint8_t)fmin(ceil(EP_STRETCH * f->distortion), EP_STRETCH);
     f->weight_low = w.low;
-    f->weight_off = w.off;
 
     /* Halving the first side quarters what r'' in s adds to the height, and halves what it adds to E. The mixed term of
      * r_t behaves like that too, while that of r_s, a fan, does not care how wide it is and asks for the other side.
@@ -421,26 +406,18 @@ void ep_leaf_fit(const ep_domain *d, ep_fit *f)
         ep_mag(b[2].dtt) + ep_mag(b[0].dtt) + ep_mag(b[1].dtt) + ep_mag(b[0].dst) + square * f->turn[1] / longer;
 }
 
-/* The control points' box, and that of the series where the piece has a frame: tighter, but for quotients. */
+/* That of the piece's control points, whose surface is a quarter of a percent above the least for pieces as flat as
+ * these, and a bit more for roots just beyond the border. */
 void ep_leaf_box(const ep_fit *f, const ep_domain *d, double lower[3], double upper[3])
 {
     const ep_patch *p = f->patch;
-    for (int c = 0; c < 3; ++c) lower[c] = -INFINITY, upper[c] = INFINITY;
-    if (p->rational || !f->regular) {
-        ep_point net[EP_NET_POINTS];
-        f->kind->restrict_to(f->local, f->m, f->n, d, net);
-        ep_range box[3];
-        ep_hull(net, f->kind->point_count(f->m, f->n), box);
-        for (int c = 0; c < 3; ++c) lower[c] = p->centre[c] + box[c].lo, upper[c] = p->centre[c] + box[c].hi;
-    }
-    if (!f->regular) return;
-    for (int k = 0; k < 3; ++k) {
-        const double a[2] = {(&f->column[0].x)[k], (&f->column[1].x)[k]}, none[2] = {0, 0};
-        const double r[4] = {a[0], a[1], (&f->column[2].x)[k], 0};
-        const ep_range x = widen(linear_range(f, a, r), ep_mag(linear_range(f, none, r)) * f->weight_off +
-                                                            (double)EP_SHARP * (fabs(a[0]) + fabs(a[1])));
-        const double centre = (double)f->leaf.centre[k] + f->leaf.centre_low[k];
-        lower[k] = fmax(lower[k], centre + x.lo);
-        upper[k] = fmin(upper[k], centre + x.hi);
+    ep_point net[EP_NET_POINTS];
+    f->kind->restrict_to(f->local, f->m, f->n, d, net);
+    ep_range box[3];
+    ep_hull(net, f->kind->point_count(f->m, f->n), box);
+    for (int c = 0; c < 3; ++c) {
+        const double way = f->regular ? fabs((&f->column[0].x)[c]) + fabs((&f->column[1].x)[c]) : 0;
+        lower[c] = p->centre[c] + box[c].lo - (double)EP_SHARP * way;
+        upper[c] = p->centre[c] + box[c].hi + (double)EP_SHARP * way;
     }
 }

@@ -164,7 +164,6 @@ typedef struct ep_fit {
     size_t net_floats; /* what ep_leaf_pack will write                                                             */
     double area;       /* of the part of the domain, in parameters; negative where it stands on its head            */
     double weight_low; /* no weight is below it, the middle's being one */
-    double weight_off; /* |1 - weight| over the weight is at most this  */
     ep_vec3 row[3], column[3];      /* M as rounded, and its inverse                 */
     ep_point series[EP_NET_POINTS]; /* M S w and w in powers of s and t */
     ep_point rest[EP_NET_POINTS];   /* r w and w                        */
