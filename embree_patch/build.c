@@ -94,8 +94,8 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
         const bool good = (f->thickness <= settings->thickness || stage == TRIM) && f->distortion <= max_distortion;
         const bool hopeless = stage == SURFACE && !(f->distortion < 1) &&
                               depth * ep_kinds[kind].halvings >= (f->line ? LINE_DEPTH : FOLD_DEPTH);
-        const bool content = good || hopeless; /* the surface is */
-        const double visits = content ? ep_visits(f, d, a->build->half_surface) : 0;
+        const double visits = ep_visits(f, d, a->build->half_surface);
+        const bool content = good || hopeless || ep_is_seldom_met(visits); /* the surface is */
         unsigned along = f->turn[1] > f->turn[0];
         ep_domain parts[EP_TRIMMED_PARTS];
         if (!content || ep_is_askew(f, visits, &along)) {

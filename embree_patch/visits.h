@@ -13,6 +13,9 @@ double ep_half_surface(const float bounds[6]);
  * of its patch: more or less, before it is padded. */
 double ep_visits(const ep_fit *fit, const ep_domain *d, double half_surface);
 
+/* A piece that is met by a share of `visits`: is it to stay whole, whatever it costs the rays that do meet it? */
+bool ep_is_seldom_met(double visits);
+
 /* A piece that is a leaf as far as the surface goes, and met by a share of `visits`: would halving it save more visits
  * than it costs? *along: its first side (0) or its second. Never of triangles, which are quartered: quarters of a
  * slender triangle are as slender. */

@@ -127,6 +127,26 @@ static void seldom_met(void **state)
     }
 }
 
+/* So does what hardly any come to, even if it bends or has a pole. */
+static void left_whole(void **state)
+{
+    (void)state;
+    static const patch_style styles[2] = {STYLE_GENTLE, STYLE_COLLAPSED};
+    for (int k = 0; k < 2; ++k) {
+        rng r = rng_split(12, 0, (uint64_t)k);
+        test_patch patches[2];
+        do random_patch(&r, styles[k], false, (patch_limits){3, 1}, &patches[0]);
+        while (patches[0].shape.m < 3 || patches[0].shape.n < 3);
+        for (int far = 0; far < 2; ++far) {
+            patches[1] = ground(far ? 30000 : 10);
+            EPGeometry g = build(patches, 2);
+            const size_t leaves = leaves_of(g, 0);
+            CHECK(far ? leaves == 1 : leaves > 8, "%zu leaves of style %d", leaves, k);
+            epReleaseGeometry(g);
+        }
+    }
+}
+
 /* The same of leaves that a trim curve crosses: there are the fewer of them the fewer rays come by. */
 static void crossed(void **state)
 {
@@ -153,10 +173,8 @@ static void crossed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(askew),
-        cmocka_unit_test(straight),
-        cmocka_unit_test(seldom_met),
-        cmocka_unit_test(crossed),
+        cmocka_unit_test(askew),      cmocka_unit_test(straight), cmocka_unit_test(seldom_met),
+        cmocka_unit_test(left_whole), cmocka_unit_test(crossed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
