@@ -18,11 +18,14 @@ static bool next_line(FILE *file, char *line, int size)
 
 static bool read_head(const char *line, capture *c)
 {
-    *c = (capture){.distance = 0};
+    *c = (capture){.settings = epDefaultBuildSettings()};
     net_shape *s = &c->patch.shape;
-    s->triangle = sscanf(line, "triangle %u from %lf", &s->n, &c->distance) >= 1;
+    s->triangle = sscanf(line, "triangle %u", &s->n) == 1;
     if (s->triangle) s->m = s->n;
-    else if (sscanf(line, "tensor %u %u from %lf", &s->m, &s->n, &c->distance) < 2) return false;
+    else if (sscanf(line, "tensor %u %u", &s->m, &s->n) < 2) return false;
+    const char *from = strstr(line, " from "), *depth = strstr(line, " depth ");
+    if (from && sscanf(from, " from %f", &c->settings.rayDistance) < 1) return false;
+    if (depth && sscanf(depth, " depth %u", &c->settings.maxDepth) < 1) return false;
     return s->m >= 1 && s->m <= NET_DEGREE && s->n >= 1 && s->n <= NET_DEGREE;
 }
 
@@ -69,11 +72,13 @@ void free_captures(capture *captures, size_t count)
     free(captures);
 }
 
-void write_captured_patch(FILE *file, const test_patch *p, double distance)
+void write_captured_patch(FILE *file, const test_patch *p, const EPBuildSettings *settings)
 {
     if (p->shape.triangle) fprintf(file, "triangle %u", p->shape.n);
     else fprintf(file, "tensor %u %u", p->shape.m, p->shape.n);
-    if (distance > 0) fprintf(file, " from %.17g", distance);
+    const EPBuildSettings usual = epDefaultBuildSettings();
+    if (settings->rayDistance != usual.rayDistance) fprintf(file, " from %.9g", settings->rayDistance);
+    if (settings->maxDepth != usual.maxDepth) fprintf(file, " depth %u", settings->maxDepth);
     fprintf(file, "\n");
     for (size_t k = 0; k < net_count(p->shape); ++k) {
         const double *x = p->points[k];

@@ -4,7 +4,7 @@
  *
  * A file is a list of patches, each with its rays. `#` starts a comment; numbers are exact.
  *
- *     triangle 2 from 4           degree 2; optional: rays start up to 4 away (EPBuildSettings.rayDistance)
+ *     triangle 2 from 4 depth 3   degree 2; optional: rays start up to 4 away (EPBuildSettings.rayDistance), maxDepth
  *     0 0 0 1                     x y z w of each point, in the order of embree_patch.h
  *     ...
  *     ray 0 0 5 0 0 -1            origin, direction
@@ -19,7 +19,7 @@
 
 typedef struct capture {
     test_patch patch;
-    double distance;
+    EPBuildSettings settings;
     test_ray *rays;
     size_t ray_count;
 } capture;
@@ -28,7 +28,7 @@ typedef struct capture {
 capture *read_captures(const char *path, size_t *count);
 void free_captures(capture *captures, size_t count);
 
-void write_captured_patch(FILE *file, const test_patch *p, double distance);
+void write_captured_patch(FILE *file, const test_patch *p, const EPBuildSettings *settings);
 void write_captured_ray(FILE *file, const test_ray *ray);
 
 #endif

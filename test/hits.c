@@ -128,6 +128,7 @@ static void judge_patch(const hits_case *c, int k, unsigned most, FILE *captures
     EPBuildSettings settings = epDefaultBuildSettings();
     settings.rayDistance = (float)c->distance;
     settings.isa = isas[(unsigned)k % isa_count];
+    if (c->depths) settings.maxDepth = rng_below(&r, c->depths);
     test_scene s = new_scene(&p, 1, &settings);
     for (unsigned packet = 0; packet < (unsigned)rays / 16; ++packet) {
         test_ray ray[16];
@@ -141,7 +142,7 @@ static void judge_patch(const hits_case *c, int k, unsigned most, FILE *captures
             if (!answer[i].fault) continue;
             if (t->faults++ < most) explain(c, k, settings.isa, &p, &ray[i], &answer[i]);
             if (!captures) continue;
-            if (t->faults == before + 1) write_captured_patch(captures, &p, c->distance);
+            if (t->faults == before + 1) write_captured_patch(captures, &p, &settings);
             write_captured_ray(captures, &ray[i]);
         }
     }

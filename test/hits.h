@@ -36,6 +36,7 @@ typedef struct hits_case {
     int style_count;
     double scale, offset[3]; /* where the patch is moved */
     double distance;         /* > 0: rays start this far from the patch's centre */
+    unsigned depths;         /* > 0: leaves are cut less often than that, or not at all */
 } hits_case;
 
 typedef struct hits_tally {

@@ -46,6 +46,8 @@ static const struct {
     {"huge", {.rays = 480, .triangles = true, .tensors = true, .limits = {7, 2}, .styles = ALL, .scale = 1e6}},
     {"afar",
      {.rays = 480, .triangles = true, .tensors = true, .limits = {5, 1}, .styles = ALL, .scale = 1, .distance = 1000}},
+    {"coarse",
+     {.rays = 480, .triangles = true, .tensors = true, .limits = {7, 2}, .styles = ALL, .scale = 1, .depths = 5}},
 };
 
 int main(int argc, char **argv)

@@ -17,8 +17,7 @@ static void replay(const char *name)
         const capture *c = &captures[i];
         oracle *o = new_oracle(&c->patch, 1);
         for (const char *const *isa = epGetInstructionSets(); *isa; ++isa) {
-            EPBuildSettings settings = epDefaultBuildSettings();
-            settings.rayDistance = (float)c->distance;
+            EPBuildSettings settings = c->settings;
             settings.isa = *isa;
             test_scene s = new_scene(&c->patch, 1, &settings);
             hits_answer *answers = malloc(c->ray_count * sizeof *answers);
@@ -53,12 +52,19 @@ static void tangents(void **state)
     replay("tangents.txt");
 }
 
+static void coarse(void **state)
+{
+    (void)state;
+    replay("coarse.txt");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(poles),
         cmocka_unit_test(flat),
         cmocka_unit_test(tangents),
+        cmocka_unit_test(coarse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,45 +8,45 @@
 static void one_at_3000(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){1, 24, 320, true, true, {5, 1}, SOME, 1, {3000, -2500, 1700}, 0});
+    check_hits(&(hits_case){1, 24, 320, true, true, {5, 1}, SOME, 1, {3000, -2500, 1700}, 0, 0});
 }
 
 static void one_at_3000_rational(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){2, 16, 320, true, true, {4, 3}, SOME, 1, {-3000, 100, 3000}, 0});
+    check_hits(&(hits_case){2, 16, 320, true, true, {4, 3}, SOME, 1, {-3000, 100, 3000}, 0, 0});
 }
 
 static void tiny_seen_from_4(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){3, 24, 320, true, true, {5, 1}, SOME, 1e-4, {0, 0, 0}, 4});
+    check_hits(&(hits_case){3, 24, 320, true, true, {5, 1}, SOME, 1e-4, {0, 0, 0}, 4, 0});
 }
 
 static void tiny_at_10000(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){4, 24, 320, true, true, {5, 1}, SOME, 1e-4, {10000, 10000, -10000}, 0});
+    check_hits(&(hits_case){4, 24, 320, true, true, {5, 1}, SOME, 1e-4, {10000, 10000, -10000}, 0, 0});
 }
 
 static void huge(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){5, 24, 320, true, true, {5, 1}, SOME, 1e6, {0, 0, 0}, 0});
+    check_hits(&(hits_case){5, 24, 320, true, true, {5, 1}, SOME, 1e6, {0, 0, 0}, 0, 0});
 }
 
 /* What normals are made of is no float any more, but they are. */
 static void beyond_floats(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){8, 8, 320, true, true, {4, 2}, SOME, 1e14, {0, 0, 0}, 0});
-    check_hits(&(hits_case){9, 8, 320, true, true, {4, 2}, SOME, 1e-13, {0, 0, 0}, 0});
+    check_hits(&(hits_case){8, 8, 320, true, true, {4, 2}, SOME, 1e14, {0, 0, 0}, 0, 0});
+    check_hits(&(hits_case){9, 8, 320, true, true, {4, 2}, SOME, 1e-13, {0, 0, 0}, 0, 0});
 }
 
 static void from_a_thousand_away(void **state)
 {
     (void)state;
-    check_hits(&(hits_case){6, 24, 320, true, true, {5, 1}, SOME, 1, {0, 0, 0}, 1000});
+    check_hits(&(hits_case){6, 24, 320, true, true, {5, 1}, SOME, 1, {0, 0, 0}, 1000, 0});
 }
 
 /* The same patch at powers of two of its size gives the same hits, bit for bit, whether or not directions are as long:

@@ -138,8 +138,10 @@ static void look_closer(search *s, float from, float to, unsigned round)
 }
 
 /* Takes what was found in cells[first] to cells[first + EP_CELLS - 1], which divide the part `from` to `to` of the
- * ray's way. Undecided ones are cut into cells again. A cell answers for roots with a t of its own, or a neighbour's;
- * where Newton goes on to another root when a vague one is polished, it has not found its own. */
+ * ray's way. Undecided ones are cut into cells again. A cell answers for roots with a t of its own, or a neighbour's. A
+ * certain one that is farther away is the only one in all that the cell may be: it has none, and whether the other one
+ * counts must not depend on which cells tfar leaves. Where Newton goes on to another root when a vague one is polished,
+ * it has not found its own. */
 static void take_cells(search *s, const ep_cells *cells, unsigned first, float from, float to, unsigned round)
 {
     const float length = (to - from) / EP_CELLS;
@@ -154,8 +156,9 @@ static void take_cells(search *s, const ep_cells *cells, unsigned first, float f
             for (unsigned f = 0; f < 5; ++f) s->c.hit[f] = cells->fields[f * EP_PACKET + at];
             const bool vague = cells->vague >> at & 1;
             const ep_polished found = vague ? ep_polish_candidate(&s->lane.query, 0, &s->c) : EP_POLISHED;
-            lost = found == EP_POLISHED_LOST || (vague && !(fabs((double)s->c.t[0] - t) <= 3 * reach));
-            if (found == EP_POLISHED && !lost) offer_root(s, vague ? exact_radius : extent * cells->radius[at]);
+            const bool own = fabs((double)s->c.t[0] - t) <= 3 * reach;
+            lost = found == EP_POLISHED_LOST || (vague && !own);
+            if (found == EP_POLISHED && own) offer_root(s, vague ? exact_radius : extent * cells->radius[at]);
         }
         if (!(open || lost) || t - 2 * reach > (double)nextafterf(tfar_of(s), INFINITY)) continue;
         if (lost) subdivide(s, t - 2 * reach, t + 2 * reach);
