@@ -24,7 +24,7 @@ static const double worth_it = 0x1p-12;
 /* Of sixty million rays at the whole geometry one. Around a vertex where a cage has three or five edges, at creases
  * that run out and where faces come back to back, patches halve in size ten times over, and the last of them fold: half
  * the leaves of a chess piece, nine in ten of two squares that share their borders, were smaller than this. A camera
- * that sees nothing else pays for it. */
+ * that sees nothing else pays for it, up to ten times. */
 static const double seldom = 0x1p-26;
 
 static double surface_of(const double side[3])
