@@ -161,9 +161,9 @@ static void write_captions(FILE *f, const bench *b)
     snprintf(text, sizeof text, "%s, %s, %u thread%s; Embree %s", m.cpu, statistics.isa, b->options.threads[0],
              b->options.threads[0] == 1 ? "" : "s", m.embree);
     quote(f, text);
-    fprintf(f, " at screen 0.988,0.965 right tc rgb '#777777' noenhanced\n"
+    fprintf(f, " at screen 0.988,0.02 right tc rgb '#777777' noenhanced\n"
                "set label 3 '← better      largest error of a hit, relative to the diagonal of the scene' at screen "
-               "0.5,0.02 center\n");
+               "0.012,0.02 left\n");
 }
 
 static void write_script(FILE *f, const bench *b, const char *name)
