@@ -18,9 +18,9 @@
  * thickness: with 0.77 and a thickness of 0.115, 17 of 262,144 primary rays at the teapot end in subdivision. */
 static const double max_distortion = 0.77;
 
-/* Halvings after which a piece that folds or collapses within is left to subdivision along the ray; and one that is
- * nothing but a line, all of whose parts are no better: a few make its boxes smaller. */
-enum { FOLD_DEPTH = 12, LINE_DEPTH = 4 };
+/* Halvings after which a piece that folds or collapses within is left to subdivision along the ray; sooner one that few
+ * rays meet; and one that is nothing but a line, all of whose parts are no better: a few make its boxes smaller. */
+enum { FOLD_DEPTH = 12, SELDOM_DEPTH = 8, LINE_DEPTH = 4 };
 
 /* Points that doubles keep apart by no more than some thousand units in their last place are no smooth surface: no part
  * of it would be any better. */
@@ -92,10 +92,10 @@ static void build_piece(const piece_args *a, const ep_domain *d, const ep_trim_p
     ep_leaf_fit(d, f);
     if (depth < a->max_depth) {
         const bool good = (f->thickness <= settings->thickness || stage == TRIM) && f->distortion <= max_distortion;
-        const bool hopeless = stage == SURFACE && !(f->distortion < 1) &&
-                              depth * ep_kinds[kind].halvings >= (f->line ? LINE_DEPTH : FOLD_DEPTH);
         const double visits = ep_visits(f, d, a->build->half_surface);
-        const bool content = good || hopeless || ep_is_seldom_met(visits); /* the surface is */
+        const unsigned enough = f->line ? LINE_DEPTH : ep_is_seldom_met(visits) ? SELDOM_DEPTH : FOLD_DEPTH;
+        const bool hopeless = stage == SURFACE && !(f->distortion < 1) && depth * ep_kinds[kind].halvings >= enough;
+        const bool content = good || hopeless; /* the surface is */
         unsigned along = f->turn[1] > f->turn[0];
         ep_domain parts[EP_TRIMMED_PARTS];
         if (!content || ep_is_askew(f, visits, &along)) {

@@ -265,8 +265,7 @@ EP_API EPStatus epCommitGeometry(EPGeometry geometry);
  *
  * It takes 0.8 (tensor-product patches) to 0.9 (triangles) of the time of a commit, and for a moment the memory of a
  * second set of leaves. Hits are as exact as after a commit, however far the points have moved; only speed suffers
- * where patches bend much more than when they were divided, or were next to nothing beside the others then.
- * EPStatistics.averageThickness tells; a commit divides anew.
+ * where patches bend much more than when they were divided. EPStatistics.averageThickness tells; a commit divides anew.
  * Trims stay where they are in u, v. With onDemand, patches are cut anew when rays meet them. EP_INVALID: patches,
  * trims or settings have changed since the last commit, or there was none. On failure the leaves are as they were. */
 EP_API EPStatus epRefitGeometry(EPGeometry geometry);

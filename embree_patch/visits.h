@@ -13,7 +13,7 @@ double ep_half_surface(const float bounds[6]);
  * of its patch: more or less, before it is padded. */
 double ep_visits(const ep_fit *fit, const ep_domain *d, double half_surface);
 
-/* A piece that is met by a share of `visits`: is it to stay whole, whatever it costs the rays that do meet it? */
+/* A piece that is met by a share of `visits`: do so few rays meet it that a pole or a fold in it may cost them dear? */
 bool ep_is_seldom_met(double visits);
 
 /* A piece that is a leaf as far as the surface goes, and met by a share of `visits`: would halving it save more visits
