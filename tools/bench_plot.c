@@ -146,6 +146,18 @@ static void write_panel(FILE *f, const bench *b, const panel *p, unsigned w)
             here < finest ? -1.1 : 1.1);
 }
 
+/* As much of a path as the caption has room for: its last part, whole characters of UTF-8 of it. */
+static const char *short_name(const char *path, int *length)
+{
+    enum { ROOM = 60 };
+    const char *slash = strrchr(path, '/'), *name = slash && strlen(path) > ROOM ? slash + 1 : path;
+    size_t n = strlen(name);
+    if (n > ROOM)
+        for (n = ROOM; n && ((unsigned char)name[n] & 0xC0) == 0x80;) --n;
+    *length = (int)n;
+    return name;
+}
+
 /* Over and under the pictures. */
 static void write_captions(FILE *f, const bench *b)
 {
@@ -153,7 +165,9 @@ static void write_captions(FILE *f, const bench *b)
     EPStatistics statistics;
     char text[400];
     epGetGeometryStatistics(b->patches.world->geometries[0], &statistics);
-    snprintf(text, sizeof text, "%.200s: exact patches, and n × n triangles a %s", b->scene->path,
+    int length;
+    const char *name = short_name(b->scene->path, &length);
+    snprintf(text, sizeof text, "%.*s: exact patches, and n × n triangles a %s", length, name,
              b->family_count > 1 ? "face (blue), Embree's grids (violet) and subdivision (green)" : "patch");
     fprintf(f, "set label 1 ");
     quote(f, text);
