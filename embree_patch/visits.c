@@ -22,10 +22,10 @@ static const double halves = 0.625;
 static const double worth_it = 0x1p-12;
 
 /* Of sixty million rays at the whole geometry one. Around a vertex where a cage has three or five edges, at creases
- * that run out and where faces come back to back, patches halve in size ten times over, and the last of them fold: half
- * the leaves of a chess piece, nine in ten of two squares that share their borders, were smaller than this, and as many
- * again at each halving of a fold. What merely bends is cut like any other piece, for a camera may see nothing else: a
- * teapot on a ground a thousand times its size, left whole, was traced at 1/25 of its speed. */
+ * that run out and where faces come back to back, patches halve in size ten times over, and the last of them fold; the
+ * pieces along a fold double at each halving. Half the leaves of a chess piece were smaller than this, and nine in ten
+ * of two squares that share their borders. What merely bends is cut like any other piece, for a camera may see nothing
+ * else: a teapot on a ground a thousand times its size, left whole, was traced at 1/25 of its speed. */
 static const double seldom = 0x1p-26;
 
 static double surface_of(const double side[3])
